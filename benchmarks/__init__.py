@@ -1,0 +1,1 @@
+"""Measured speed of generated kernels against peers: ``python -m benchmarks`` from the root."""

@@ -1,0 +1,136 @@
+"""``python -m benchmarks``: generate, compile, check, measure, report."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import json
+import os
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks import from_python, machine, report
+from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
+from benchmarks.contender import Contender, Manifest, Missing
+from benchmarks.measure import Bench, Row
+from benchmarks.ours import c_contenders
+from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
+from benchmarks.workloads import WORKLOADS, Workload
+
+
+def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--workloads", nargs="+", choices=list(WORKLOADS), default=list(WORKLOADS))
+    parser.add_argument("--only", choices=("c", "python"), help="measure one of the two parts")
+    parser.add_argument("--rounds", type=int, default=300, help="rounds in C (default %(default)s)")
+    parser.add_argument(
+        "--python-rounds", type=int, default=60, help="rounds in Python (default %(default)s)"
+    )
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "benchmarks")
+    parser.add_argument("--cc", default="gcc")
+    parser.add_argument("--cxx", default="g++")
+    parser.add_argument(
+        "--peer-python", type=Path, default=PEER_PYTHON, help="interpreter with symforce and wrenfold"
+    )
+    return parser.parse_args(argv)
+
+
+def gather(keys: Sequence[str], out: Path, peer_python: Path) -> tuple[Manifest, list[Missing]]:
+    """All peers' contenders for all workloads."""
+    everything, missing = Manifest(), []
+    for peer in PEERS:
+        print(f"generating: {peer.name}", file=sys.stderr)
+        found = generate(peer, keys, out / "generated", peer_python)
+        if isinstance(found, Missing):
+            missing.append(found)
+        else:
+            everything.contenders += found.contenders
+            everything.versions |= found.versions
+    return everything, missing
+
+
+def build_all(
+    workload: Workload, contenders: Sequence[Contender], out: Path, tools: Tools
+) -> tuple[list[Built], list[Missing]]:
+    """Compiles every contender; one that does not compile becomes missing."""
+    built, missing = [], []
+    for index, contender in enumerate(contenders):
+        try:
+            built.append(build_contender(contender, workload, index, out, tools))
+        except BuildError as failure:
+            missing.append(Missing(contender.label, f"does not build: {failure}"))
+    return built, missing
+
+
+def measure_c(
+    workload: Workload, manifest: Manifest, absent: list[Missing], options: argparse.Namespace, tools: Tools
+) -> report.Result:
+    """One workload from sources to times."""
+    out = options.out / "objects"
+    out.mkdir(parents=True, exist_ok=True)
+    contenders = [c for c in manifest.contenders if c.workload == workload.key]
+    missing = list(absent)
+    ours = c_contenders(workload, options.out / "generated")
+    if isinstance(ours, Missing):
+        missing.insert(0, ours)
+    else:
+        contenders = [*ours, *contenders]
+    print(f"compiling: {workload.key}, {len(contenders)} contenders", file=sys.stderr)
+    built, failed = build_all(workload, contenders, out, tools)
+    bench = Bench(workload, build_library(workload, built, out, tools))
+    rows = [Row(b, bench.error(b)) for b in built]
+    print(f"measuring: {workload.key}", file=sys.stderr)
+    overhead = bench.run([row for row in rows if row.correct], options.rounds)
+    return report.Result(workload, rows, missing + failed, overhead)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Exit code 1 if any contender disagrees with the reference, 2 if a tool is missing."""
+    options = arguments(argv)
+    lacking = [tool for tool in (options.cc, options.cxx, "ld", "objcopy", "size") if not shutil.which(tool)]
+    if lacking:
+        print(f"benchmarks: not on this machine: {', '.join(lacking)}", file=sys.stderr)
+        return 2
+    tools = Tools(options.cc, options.cxx)
+    options.out.mkdir(parents=True, exist_ok=True)
+    facts = machine.describe(tools)
+    load = os.getloadavg()[0]
+    versions = {name: importlib.metadata.version(name) for name in ("numpy",)}
+    workloads = [WORKLOADS[key] for key in options.workloads]
+    results: list[report.Result] = []
+    python: list[from_python.PythonResult] = []
+    manifest = Manifest()
+    absent: list[Missing] = []
+    if options.only != "python":
+        manifest, absent = gather(options.workloads, options.out, options.peer_python)
+    machine.pin_to_one_core()
+    if options.only != "python":
+        results = [measure_c(w, manifest, absent, options, tools) for w in workloads]
+    if options.only != "c":
+        for workload in (w for w in workloads if w.key in from_python.KEYS):
+            print(f"from Python: {workload.key}", file=sys.stderr)
+            folder = options.out / "generated" / "python"
+            python.append(from_python.measure(workload, folder, tools, options.python_rounds))
+    rows: list[Row | from_python.PythonRow] = [row for result in results for row in result.rows]
+    rows += [row for result in python for row in result.rows]
+    spreads = [series.spread for row in rows for series in row.series.values()]
+    warnings = machine.noise_warnings(load, facts["virtual machine"] == "yes", max(spreads, default=0.0))
+    sections = [*map(report.c_section, results), *map(report.python_section, python)]
+    text = report.document(facts, versions | manifest.versions, warnings, sections)
+    print(text)
+    (options.out / "results.md").write_text(text)
+    data = {
+        "machine": facts,
+        "versions": versions | manifest.versions,
+        "warnings": warnings,
+        "rows": report.as_json(results, python),
+    }
+    (options.out / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+    return 0 if all(row.correct for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,30 @@
+"""How a batch lies in memory: pose after pose, component after component, or in blocks of eight poses."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+LANES = 8
+
+
+def pack(array: Floats, layout: str) -> Floats:
+    """(n, ...) to a flat array in ``layout``."""
+    flat: Floats = array.reshape(len(array), -1)
+    if layout == "soa":
+        flat = flat.T
+    elif layout == "blocked8":
+        flat = flat.reshape(-1, LANES, flat.shape[1]).transpose(0, 2, 1)
+    elif layout != "aos":
+        raise ValueError(f"unknown layout {layout!r}")
+    return np.ascontiguousarray(flat).reshape(-1)
+
+
+def unpack(flat: Floats, n: int, shape: tuple[int, ...], layout: str) -> Floats:
+    """The inverse of ``pack``."""
+    if layout == "soa":
+        flat = flat.reshape(-1, n).T
+    elif layout == "blocked8":
+        flat = flat.reshape(n // LANES, -1, LANES).transpose(0, 2, 1)
+    return np.ascontiguousarray(flat).reshape(n, *shape)

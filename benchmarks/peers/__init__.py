@@ -1,0 +1,59 @@
+"""The peers, each in a process of its own: they need packages that may live in different environments."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.contender import Manifest, Missing
+
+ROOT = Path(__file__).resolve().parents[2]
+PEER_PYTHON = ROOT / ".venv-bench" / "bin" / "python"
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A code generator: its name in the tables, the module here that drives it, the package it needs."""
+
+    name: str
+    module: str
+    package: str | None
+
+
+PEERS = (
+    Peer("hand-written C", "hand", None),
+    Peer("SymPy", "sympy_c", "sympy"),
+    Peer("CasADi", "casadi_c", "casadi"),
+    Peer("SymForce", "symforce_cpp", "symforce"),
+    Peer("wrenfold", "wrenfold_cpp", "wrenfold"),
+)
+
+
+def interpreter_with(package: str | None, candidates: Sequence[Path]) -> Path | None:
+    """The first interpreter that can import ``package``."""
+    for python in candidates:
+        if package is None:
+            return python
+        command = [str(python), "-c", f"import {package}"]
+        if python.exists() and subprocess.run(command, capture_output=True, check=False).returncode == 0:
+            return python
+    return None
+
+
+def generate(peer: Peer, workloads: Sequence[str], out: Path, peer_python: Path) -> Manifest | Missing:
+    """Runs one peer's generator; what went wrong is returned, not raised."""
+    python = interpreter_with(peer.package, (Path(sys.executable), peer_python))
+    if python is None:
+        shown = peer_python.relative_to(ROOT) if peer_python.is_relative_to(ROOT) else peer_python
+        return Missing(peer.name, f"package {peer.package!r} neither in this environment nor in {shown}")
+    folder = out / peer.module
+    folder.mkdir(parents=True, exist_ok=True)
+    command = [str(python), "-m", f"benchmarks.peers.{peer.module}", str(folder), *workloads]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = done.stderr.strip().splitlines() or ["no message"]
+        return Missing(peer.name, f"generator failed: {lines[-1]}")
+    return Manifest.read(folder / "manifest.json")

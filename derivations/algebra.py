@@ -1,0 +1,63 @@
+"""Small linear algebra that joins sub-legs and platforms: products whose sizes depend on the space alone."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
+from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.sublegs.base import Space
+from krhpr.derivations.vectors import cross2, dot
+
+
+def kernels(space: Space) -> tuple[Kernel, ...]:
+    """The kernels of one space."""
+    common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space))
+    return (*common, _wrist(space), _rotation()) if space is Space.PLANAR else (*common, _wrist(space))
+
+
+def _rate(space: Space) -> Kernel:
+    rows, d = space.rows_per_leg, space.dimension
+    k = KernelWriter("rate", "r = N s_dot, the rate along the leg's lines.", "(1.30)")
+    k.output("rate", k.input("N", (rows, d)) * k.input("s_dot", (d,)))
+    return k.kernel()
+
+
+def _rate_with_bias(space: Space) -> Kernel:
+    rows, d = space.rows_per_leg, space.dimension
+    k = KernelWriter("rate_with_bias", "N s_ddot + bias, the right-hand side of (1.30) differentiated.")
+    N, s_ddot, bias = k.input("N", (rows, d)), k.input("s_ddot", (d,)), k.input("bias", (rows,))
+    k.output("rate", N * s_ddot + bias)
+    return k.kernel()
+
+
+def _sum(space: Space) -> Kernel:
+    k = KernelWriter("sum", "s_ddot = M theta_ddot + bias.")
+    k.output("s_ddot", k.input("along", (space.dimension,)) + k.input("bias", (space.dimension,)))
+    return k.kernel()
+
+
+def _difference(space: Space) -> Kernel:
+    k = KernelWriter("difference", "M theta_ddot = s_ddot - bias.")
+    k.output("along", k.input("s_ddot", (space.dimension,)) - k.input("bias", (space.dimension,)))
+    return k.kernel()
+
+
+def _wrist(space: Space) -> Kernel:
+    """The joint at S_i: a rotation in space, an angle in the plane."""
+    if space is Space.SPATIAL:
+        k = KernelWriter("wrist", "Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last link.")
+        link, redundant = k.input("link", (3, 3)), k.input("redundant_link", (3, 3))
+        k.output("spherical", link.T * redundant)
+        return k.kernel()
+    k = KernelWriter("wrist", "Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link.")
+    link, redundant = k.input("link", (2,)), k.input("redundant_link", (2,))
+    k.output("wrist", k.atan2(cross2(link, redundant), dot(link, redundant)), Unit.RADIAN)
+    return k.kernel()
+
+
+def _rotation() -> Kernel:
+    k = KernelWriter("rotation", "Q from phi.", "(2.5)")
+    phi = k.add_input(Port("phi", (), Unit.RADIAN, Frame.BASE, "orientation of the platform"))
+    k.output("Q", sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]]), Unit.NONE, Frame.BASE)
+    return k.kernel()

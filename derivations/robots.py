@@ -1,0 +1,391 @@
+"""A robot is a composition: one sub-leg x one platform arrangement.  The functions below are the same for all.
+
+Read this file to see what every function of a robot computes; the formulas are in `sublegs/` and `platforms/`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from krhpr.codegen.composition import (
+    SINGULAR_TOLERANCE,
+    Call,
+    Guard,
+    Relation,
+    RobotFunction,
+    Stage,
+    Status,
+)
+from krhpr.codegen.kernel import Frame, Layout, Port, Unit
+from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.sublegs.base import Space, SubLeg
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A composition of a sub-leg and a platform arrangement."""
+
+    subleg: SubLeg
+    platform: Platform
+
+    def __post_init__(self) -> None:
+        if self.subleg.space is not self.platform.space:
+            raise ValueError(
+                f"sub-leg {self.subleg.name!r} is {self.subleg.space}, arrangement {self.platform.name!r} is {self.platform.space}"
+            )
+
+    @property
+    def space(self) -> Space:
+        return self.subleg.space
+
+    @property
+    def identifier(self) -> str:
+        return f"{self.space}_{self.subleg.name}_{self.platform.arrangement}"
+
+    @property
+    def notation(self) -> str:
+        """The thesis' notation: 3-RRRSR, 3-[R(RR-RRR)SR]."""
+        leg = self.subleg.notation + self.platform.notation
+        return f"3-[{leg}]" if "(" in leg else f"3-{leg}"
+
+    def functions(self) -> tuple[RobotFunction, ...]:
+        """Every function of the robot, in the order of the documentation."""
+        return tuple(_Functions(self).all())
+
+
+class _Functions:
+    """Builds the functions of one robot from its ports."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.leg = robot.subleg.ports()
+        self.plate = robot.platform.ports()
+        self.planar = robot.space is Space.PLANAR
+        phi = Port("phi", (), Unit.RADIAN, Frame.BASE, "orientation of the platform, base from platform")
+        self.pose = (self.plate.p, phi if self.planar else self.plate.Q)
+
+    def all(self) -> Iterable[RobotFunction]:
+        yield self._end_points()
+        yield self._redundant_coordinates()
+        yield self._subleg_forward()
+        yield self._subleg_inverse()
+        yield self._subleg_jacobian()
+        yield self._constraints()
+        yield self._jacobians()
+        yield self._jacobian_blocks()
+        yield self._inverse()
+        yield self._inverse_all()
+        yield self._inverse_near()
+        yield self._inverse_status()
+        yield self._twist()
+        yield self._joint_rates()
+        yield self._platform_acceleration()
+        yield self._joint_accelerations()
+        yield self._passive_joints()
+        yield self._singularity()
+
+    # -- pieces -------------------------------------------------------------------------------------------------
+
+    def _function(
+        self,
+        name: str,
+        doc: str,
+        equations: str,
+        inputs: tuple[Port, ...],
+        outputs: tuple[Port, ...],
+        calls: tuple[Call, ...],
+        guards: tuple[Guard, ...] = (),
+    ) -> RobotFunction:
+        if self.planar and any(port.name == "phi" for port in inputs):
+            calls = (Call(Stage.SHARED, "algebra", "rotation", {}, {}), *calls)
+        return RobotFunction(name, doc, equations, inputs, outputs, calls, guards)
+
+    @staticmethod
+    def _on_leg(part: str, kernel: str, outputs: dict[str, str] | None = None, **inputs: str) -> Call:
+        return Call(Stage.LEG, part, kernel, inputs, outputs or {})
+
+    def _parallel_guard(self) -> tuple[Guard, ...]:
+        """A sub-leg with a closed loop has configurations in which M_i does not exist."""
+        if not self.robot.subleg.has_parallel_factors():
+            return ()
+        return (Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
+
+    def _serial_guard(self) -> Guard:
+        return Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1)
+
+    def _platform_guards(self) -> tuple[Guard, ...]:
+        limit = SINGULAR_TOLERANCE**2  # the kernel gives squares
+        guards = [Guard("det_regularity", 0, Relation.AT_LEAST, limit, Status.SINGULAR_IN_PLANE)]
+        if not self.planar:
+            guards.append(Guard("det_regularity", 1, Relation.AT_LEAST, limit, Status.SINGULAR_NORMAL))
+        return tuple(guards)
+
+    # -- position -----------------------------------------------------------------------------------------------
+
+    def _end_points(self) -> RobotFunction:
+        return self._function(
+            "end_points",
+            "End points of the sub-legs from the pose and the redundant coordinates.",
+            "(1.37), 2.5",
+            (*self.pose, self.plate.redundant),
+            (self.plate.s,),
+            (self._on_leg("platform", "end_point"),),
+        )
+
+    def _redundant_coordinates(self) -> RobotFunction:
+        return self._function(
+            "redundant_coordinates",
+            "Redundant coordinates from the pose and the end points.",
+            "1.5",
+            (*self.pose, self.plate.s),
+            (self.plate.redundant,),
+            (self._on_leg("platform", "redundant"),),
+        )
+
+    def _subleg_forward(self) -> RobotFunction:
+        inputs: tuple[Port, ...] = (self.leg.theta,)
+        guards: tuple[Guard, ...] = ()
+        if self.robot.subleg.forward_signs:
+            inputs = (self.leg.theta, self.leg.assembly)
+            guards = (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
+        return self._function(
+            "subleg_forward",
+            "End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.",
+            "3.5",
+            inputs,
+            (self.leg.s,),
+            (self._on_leg("subleg", "forward"),),
+            guards,
+        )
+
+    def _subleg_inverse(self) -> RobotFunction:
+        return self._function(
+            "subleg_inverse",
+            "Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not exist.",
+            "App. B",
+            (self.leg.s,),
+            (self.leg.theta_all,),
+            (self._on_leg("subleg", "inverse_all"),),
+            (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
+        )
+
+    def _inverse(self) -> RobotFunction:
+        return self._function(
+            "inverse",
+            "Actuated joints in one working mode for each leg.",
+            "1.5, 2.5, App. B",
+            (*self.pose, self.plate.redundant, self.leg.mode),
+            (self.leg.theta,),
+            (self._on_leg("platform", "end_point"), self._on_leg("subleg", "inverse")),
+            (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
+        )
+
+    def _inverse_all(self) -> RobotFunction:
+        return self._function(
+            "inverse_all",
+            "Actuated joints in every working mode; NaN where a mode does not exist.",
+            "1.5, 2.5, App. B",
+            (*self.pose, self.plate.redundant),
+            (self.leg.theta_all,),
+            (self._on_leg("platform", "end_point"), self._on_leg("subleg", "inverse_all")),
+            (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
+        )
+
+    def _inverse_near(self) -> RobotFunction:
+        """A procedure (templates hold its loop): it chooses among the modes that `inverse_all` finds."""
+        near = replace(self.leg.theta, name="theta_near", doc="joints to stay near, the previous ones on a path")
+        theta = replace(self.leg.theta, doc="actuated joints, continued beyond +-pi")
+        return RobotFunction(
+            "inverse_near",
+            "Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.",
+            "1.8",
+            (*self.pose, self.plate.redundant, near),
+            (theta,),
+            (),
+        )
+
+    def _inverse_status(self) -> RobotFunction:
+        excess = Port("excess", (), Unit.METRE, Frame.NONE, "distance by which the end point is out of reach", Layout.STACKED)
+        return self._function(
+            "inverse_status",
+            "Which leg cannot reach its end point, and by how much.",
+            "1.5",
+            (*self.pose, self.plate.redundant, self.leg.mode),
+            (excess,),
+            (self._on_leg("platform", "end_point"), self._on_leg("subleg", "reach")),
+            (Guard("excess", 0, Relation.AT_MOST, 0.0, Status.UNREACHABLE_LEG_1),),
+        )
+
+    def _constraints(self) -> RobotFunction:
+        return self._function(
+            "constraints",
+            "Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N s_dot.",
+            self.robot.platform.equations,
+            (*self.pose, self.plate.s),
+            (self.plate.residual,),
+            (self._on_leg("platform", "residual"),),
+        )
+
+    # -- velocity -----------------------------------------------------------------------------------------------
+
+    def _subleg_jacobian(self) -> RobotFunction:
+        return self._function(
+            "subleg_jacobian",
+            "Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.",
+            "(1.16), (2.15)",
+            (self.leg.s, self.leg.theta),
+            (self.leg.M,),
+            (self._on_leg("subleg", "jacobian"),),
+            self._parallel_guard(),
+        )
+
+    def _jacobians(self) -> RobotFunction:
+        K = replace(self.leg.K, doc="Jacobian of the actuators, legs on the block diagonal", layout=Layout.DIAGONAL)
+        return self._jacobian_function("jacobians", "J and K of J t = K theta_dot.", K)
+
+    def _jacobian_blocks(self) -> RobotFunction:
+        K = replace(self.leg.K, doc="the legs' blocks of K")
+        return self._jacobian_function("jacobian_blocks", "J, and K as the legs' blocks without the zeros.", K)
+
+    def _jacobian_function(self, name: str, doc: str, K: Port) -> RobotFunction:
+        return self._function(
+            name,
+            doc,
+            "(1.30) to (1.32), (2.7), (2.28), (2.29)",
+            (*self.pose, self.leg.s, self.leg.theta),
+            (self.plate.J, K),
+            (self._on_leg("platform", "rows"), self._on_leg("subleg", "project")),
+            self._parallel_guard(),
+        )
+
+    def _twist(self) -> RobotFunction:
+        calls = (
+            self._on_leg("platform", "line"),
+            self._on_leg("subleg", "velocity"),
+            self._on_leg("algebra", "rate"),
+            Call(Stage.PLATFORM, "platform", "solve", {}, {"regularity": "det_regularity"}),
+        )
+        return self._function(
+            "twist",
+            "Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.",
+            "(1.30)",
+            (*self.pose, self.leg.s, self.leg.theta, self.leg.theta_dot),
+            (self.plate.twist,),
+            calls,
+            (*self._parallel_guard(), *self._platform_guards()),
+        )
+
+    def _joint_rates(self) -> RobotFunction:
+        return self._function(
+            "joint_rates",
+            "Rates of the actuated joints from the twist and the rates of the redundant coordinates.",
+            "(1.30), (1.9)",
+            (*self.pose, self.leg.s, self.leg.theta, self.plate.twist, self.plate.redundant_rate),
+            (self.leg.theta_dot,),
+            (self._on_leg("platform", "end_velocity"), self._on_leg("subleg", "rates")),
+            (self._serial_guard(),),
+        )
+
+    # -- acceleration -------------------------------------------------------------------------------------------
+
+    def _platform_acceleration(self) -> RobotFunction:
+        theta_ddot = self._theta_ddot()
+        calls = (
+            self._on_leg("platform", "line"),
+            self._on_leg("subleg", "bias"),
+            self._on_leg("subleg", "velocity", {"s_dot": "along", "regularity": "regularity"}, theta_dot="theta_ddot"),
+            self._on_leg("algebra", "sum"),
+            self._on_leg("platform", "row_bias", {"bias": "row_bias"}),
+            self._on_leg("algebra", "rate_with_bias", bias="row_bias"),
+            Call(Stage.PLATFORM, "platform", "solve", {}, {"twist": "twist_rate", "regularity": "det_regularity"}),
+        )
+        return self._function(
+            "platform_acceleration",
+            "Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.",
+            "(1.30) differentiated",
+            (*self.pose, self.leg.s, self.leg.theta, self.plate.twist, self.leg.theta_dot, theta_ddot),
+            (self.plate.twist_rate,),
+            calls,
+            (*self._parallel_guard(), *self._platform_guards()),
+        )
+
+    def _joint_accelerations(self) -> RobotFunction:
+        calls = (
+            self._on_leg("platform", "end_acceleration"),
+            self._on_leg("subleg", "bias", {"s_dot": "s_dot_again"}),
+            self._on_leg("algebra", "difference"),
+            self._on_leg("subleg", "rates", {"theta_dot": "theta_ddot"}, s_dot="along"),
+        )
+        return self._function(
+            "joint_accelerations",
+            "Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.",
+            "(1.30) differentiated",
+            (
+                *self.pose,
+                self.leg.s,
+                self.leg.theta,
+                self.plate.twist,
+                self.plate.redundant_rate,
+                self.leg.theta_dot,
+                self.plate.twist_rate,
+                self.plate.redundant_acceleration,
+            ),
+            (self._theta_ddot(),),
+            calls,
+            (self._serial_guard(),),
+        )
+
+    def _theta_ddot(self) -> Port:
+        return replace(
+            self.leg.theta_dot, name="theta_ddot", unit=Unit.ACTUATOR_ACCELERATION, doc="accelerations of the actuated joints"
+        )
+
+    # -- passive joints and singularities -----------------------------------------------------------------------
+
+    def _passive_joints(self) -> RobotFunction:
+        outputs: list[Port] = []
+        if self.robot.subleg.passive_joints:
+            outputs.append(self.leg.passive)
+        if self.planar:
+            wrist = "joint at r_i: redundant link (from r_i) relative to the sub-leg's last link"
+            outputs.append(Port("wrist", (), Unit.RADIAN, Frame.JOINT, wrist, Layout.STACKED))
+        else:
+            sphere = (
+                "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from the sub-leg's last link "
+                "(x towards S_i, z = e_2)"
+            )
+            outputs.append(Port("spherical", (3, 3), Unit.NONE, Frame.JOINT, sphere, Layout.STACKED))
+        outputs.append(self.plate.platform_joint)
+        return self._function(
+            "passive_joints",
+            "Every passive joint, from the base to the platform.",
+            "",
+            (*self.pose, self.leg.s, self.leg.theta),
+            tuple(outputs),
+            (
+                self._on_leg("subleg", "passive"),
+                self._on_leg("platform", "joint"),
+                self._on_leg("algebra", "wrist"),
+            ),
+        )
+
+    def _singularity(self) -> RobotFunction:
+        names = self.robot.subleg.factor_names()
+        doc = "; ".join(f"{name}: {text}" for name, text in names)
+        factors = replace(self.leg.factors(len(names)), labels=tuple(name for name, _ in names), doc=f"factors of det M_i ({doc})")
+        type_1 = Port("type_1", (), Unit.MIXED, Frame.NONE, "det M_i", Layout.STACKED)
+        calls = (
+            self._on_leg("subleg", "determinant", {"det_M": "type_1"}),
+            self._on_leg("platform", "line"),
+            Call(Stage.PLATFORM, "platform", "type_2", {}, {}),
+        )
+        return self._function(
+            "singularity",
+            "Determinants of the legs and their factors; the factors of det J and margins that are positive inside the working "
+            f"box.  {self.robot.platform.type_2_doc}",
+            "1.4, 2.3.2",
+            (*self.pose, self.leg.s, self.leg.theta),
+            (type_1, factors, self.plate.type_2, self.plate.margins),
+            calls,
+        )

@@ -1,0 +1,82 @@
+"""From the catalogue's entry to what the printers take: parts optimised once and shared by robots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.passes import Part, optimise
+from krhpr.derivations import algebra
+from krhpr.derivations.catalogue import Entry
+from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.sublegs.base import Mode, Space, SubLeg
+
+
+class Parts:
+    """Parts built on first use."""
+
+    def __init__(self) -> None:
+        self._built: dict[str, Part] = {}
+
+    def __iter__(self) -> Iterator[Part]:
+        return iter(self._built.values())
+
+    def subleg(self, subleg: SubLeg) -> Part:
+        geometry = subleg.geometry()
+        return self._get(geometry.name) or self._keep(optimise(geometry.name, subleg.doc, geometry, subleg.kernels()))
+
+    def platform(self, platform: Platform) -> Part:
+        geometry = platform.geometry()
+        return self._get(geometry.name) or self._keep(
+            optimise(geometry.name, platform.doc, geometry, platform.kernels())
+        )
+
+    def algebra(self, space: Space) -> Part:
+        name = f"algebra_{space}"
+        doc = f"Small products that join sub-legs and platforms of {space} robots."
+        return self._get(name) or self._keep(optimise(name, doc, None, algebra.kernels(space)))
+
+    def _get(self, name: str) -> Part | None:
+        return self._built.get(name)
+
+    def _keep(self, part: Part) -> Part:
+        self._built[part.name] = part
+        return part
+
+
+def build(entry: Entry, parts: Parts) -> RobotCode:
+    """One robot, ready to print."""
+    robot, subleg, platform = entry.robot, entry.robot.subleg, entry.robot.platform
+    return RobotCode(
+        identifier=entry.identifier,
+        title=entry.title,
+        notation=robot.notation,
+        doc=f"{subleg.doc}  {platform.doc}",
+        subleg=parts.subleg(subleg),
+        platform=parts.platform(platform),
+        algebra=parts.algebra(robot.space),
+        functions=robot.functions(),
+        default_geometry=entry.sizes,
+        default_mode=_signs(subleg.modes, subleg.default_mode),
+        default_assembly=_signs(subleg.assemblies, subleg.default_assembly),
+        mode_labels=tuple(mode.label for mode in subleg.modes),
+        mode_signs=tuple(mode.signs for mode in subleg.modes),
+        assembly_labels=tuple(mode.label for mode in subleg.assemblies),
+        assembly_signs=tuple(mode.signs for mode in subleg.assemblies),
+        angular=tuple(joint.kind == "revolute" for joint in subleg.actuators),
+        documentation={
+            "actuators": tuple((joint.name, joint.doc) for joint in subleg.actuators),
+            "passive": tuple((joint.name, joint.doc) for joint in subleg.passive_joints),
+            "redundant": ((platform.redundant_joint.name, platform.redundant_joint.doc),),
+            "singular factors": tuple(subleg.factor_names()),
+            "type II": (("margins", platform.margins_doc), ("singular set", platform.type_2_doc)),
+            "sections": (("sub-leg", subleg.section), ("platform", platform.section), ("robot", entry.thesis)),
+        },
+    )
+
+
+def _signs(modes: Iterable[Mode], label: str) -> tuple[float, ...]:
+    for mode in modes:
+        if mode.label == label:
+            return tuple(float(sign) for sign in mode.signs)
+    raise ValueError(f"no branch is called {label!r}; there are {', '.join(mode.label for mode in modes)}")

@@ -1,0 +1,215 @@
+"""Functions of a robot: kernels called leg by leg and then for the whole platform.
+
+A `RobotFunction` has three stages: SHARED kernels (once), LEG kernels (for each of the three legs, in C a loop, in NumPy an
+array axis, in lanes a register), PLATFORM kernels (once, with all legs' results).  It is the same for every target; the
+printers only translate calls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+
+from krhpr.codegen.graph import OperationCount
+from krhpr.codegen.kernel import LEGS, Kernel, Port
+from krhpr.codegen.passes import Part
+
+
+class Status(IntEnum):
+    """What a function says about its answer; one enumeration for all targets."""
+
+    OK = 0
+    UNREACHABLE_LEG_1 = 1
+    UNREACHABLE_LEG_2 = 2
+    UNREACHABLE_LEG_3 = 3
+    SINGULAR_LEG_1 = 4
+    SINGULAR_LEG_2 = 5
+    SINGULAR_LEG_3 = 6
+    SINGULAR_IN_PLANE = 7
+    SINGULAR_NORMAL = 8
+    NO_CONVERGENCE = 9
+    AMBIGUOUS = 10
+    INVALID_INPUT = 11
+
+
+STATUS_DOC = {
+    Status.OK: "the answer is valid",
+    Status.UNREACHABLE_LEG_1: "the end point of leg 1 is out of its reach",
+    Status.UNREACHABLE_LEG_2: "the end point of leg 2 is out of its reach",
+    Status.UNREACHABLE_LEG_3: "the end point of leg 3 is out of its reach",
+    Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
+    Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
+    Status.SINGULAR_LEG_3: "a factor of det M_3 vanishes",
+    Status.SINGULAR_IN_PLANE: "det J_a vanishes: the lines in the platform's plane meet in a point or are parallel",
+    Status.SINGULAR_NORMAL: "det J_n vanishes: S_1, S_2, S_3 are collinear",
+    Status.NO_CONVERGENCE: "an iteration ended before it converged",
+    Status.AMBIGUOUS: "several answers cannot be told apart",
+    Status.INVALID_INPUT: "an input is NaN or infinite",
+}
+
+SINGULAR_TOLERANCE = 1e-12
+"""A dimensionless factor of a determinant below this is singular."""
+
+
+class Stage(StrEnum):
+    """When a kernel is called."""
+
+    SHARED = "shared"
+    LEG = "leg"
+    PLATFORM = "platform"
+
+
+class Relation(StrEnum):
+    """How a guarded value is compared with its limit."""
+
+    AT_LEAST = ">="
+    AT_MOST = "<="
+
+
+@dataclass(frozen=True)
+class Call:
+    """One kernel of a part, with the robot's variables bound to its ports.
+
+    `inputs` names the variable for each input port that is not called like its variable; `outputs` likewise.
+    """
+
+    stage: Stage
+    part: str
+    kernel: str
+    inputs: Mapping[str, str]
+    outputs: Mapping[str, str]
+
+    def variable_in(self, port: str) -> str:
+        return self.inputs.get(port, port)
+
+    def variable_out(self, port: str) -> str:
+        return self.outputs.get(port, port)
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A value that must keep a limit; where it does not (or is NaN) the answer is NaN and the status says why.
+
+    For a leg's value the status is `status` + the leg's index and only that leg's part of the answer is NaN.
+    """
+
+    variable: str
+    index: int
+    relation: Relation
+    limit: float
+    status: Status
+
+
+@dataclass(frozen=True)
+class RobotFunction:
+    """One function of a robot, the same for all targets."""
+
+    name: str
+    doc: str
+    equations: str
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    calls: tuple[Call, ...]
+    guards: tuple[Guard, ...] = ()
+
+    def stage(self, stage: Stage) -> tuple[Call, ...]:
+        return tuple(call for call in self.calls if call.stage is stage)
+
+    @property
+    def signature(self) -> str:
+        """The generalized-ufunc signature; the last output is the status."""
+        return f"{','.join(_core(port) for port in self.inputs)}->{','.join(_core(port) for port in self.outputs)},()"
+
+
+def _core(port: Port) -> str:
+    return "(" + ",".join(str(length) for length in port.full_shape) + ")"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A value inside a robot function and where it lives."""
+
+    name: str
+    port: Port
+    per_leg: bool
+    kind: str  # input, output, local
+
+
+def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, Variable]:
+    """Every variable of a function, with the stage in which it is made deciding whether each leg has its own."""
+    found: dict[str, Variable] = {}
+    for port in function.inputs:
+        found[port.name] = Variable(port.name, port, port.per_leg, "input")
+    outputs = {port.name: port for port in function.outputs}
+    for call in function.calls:
+        kernel = parts[call.part].kernel(call.kernel)
+        for port in kernel.inputs:
+            if call.variable_in(port.name) not in found:
+                raise ValueError(
+                    f"{function.name}: {call.part}.{call.kernel} reads {call.variable_in(port.name)!r} before it is made"
+                )
+        for port in kernel.outputs:
+            name = call.variable_out(port.name)
+            kind = "output" if name in outputs else "local"
+            found[name] = Variable(name, outputs.get(name, port), call.stage is Stage.LEG, kind)
+    for name in outputs:
+        if name not in found:
+            raise ValueError(f"{function.name}: nothing computes the output {name!r}")
+    return found
+
+
+@dataclass(frozen=True)
+class RobotCode:
+    """A robot as the printers see it: its parts and its functions."""
+
+    identifier: str
+    title: str
+    notation: str
+    doc: str
+    subleg: Part
+    platform: Part
+    algebra: Part
+    functions: tuple[RobotFunction, ...]
+    default_geometry: Mapping[str, tuple[float, float, float]]
+    default_mode: tuple[float, ...]
+    default_assembly: tuple[float, ...]
+    mode_labels: tuple[str, ...]
+    mode_signs: tuple[tuple[int, ...], ...]
+    assembly_labels: tuple[str, ...]
+    assembly_signs: tuple[tuple[int, ...], ...]
+    angular: tuple[bool, ...]
+    documentation: Mapping[str, tuple[tuple[str, str], ...]]
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        return {"subleg": self.subleg, "platform": self.platform, "algebra": self.algebra}
+
+    def function(self, name: str) -> RobotFunction:
+        for entry in self.functions:
+            if entry.name == name:
+                return entry
+        raise KeyError(f"{self.identifier} has no function {name!r}")
+
+    def operations(self, function: RobotFunction) -> OperationCount:
+        """Operations of one call: leg kernels count three times."""
+        total = OperationCount()
+        for call in function.calls:
+            times = LEGS if call.stage is Stage.LEG else 1
+            total = total + self.parts[call.part].kernel(call.kernel).operations * times
+        return total
+
+    def written(self, function: RobotFunction) -> int:
+        """Operations of one call as the formulas were written."""
+        return sum(
+            self.parts[call.part].written[call.kernel] * (LEGS if call.stage is Stage.LEG else 1)
+            for call in function.calls
+        )
+
+
+def kernels_used(functions: tuple[RobotFunction, ...], parts: Mapping[str, Part]) -> dict[str, list[Kernel]]:
+    """The kernels of each part that the functions call, in printing order."""
+    used = {(call.part, call.kernel) for function in functions for call in function.calls}
+    return {
+        name: [kernel for kernel in part.kernels if (name, kernel.name) in used] for name, part in parts.items()
+    }

@@ -1,0 +1,158 @@
+"""Typed straight-line functions: the unit that is derived, optimised, printed and proven."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import prod
+
+from krhpr.codegen.graph import Graph, OperationCount, count_operations
+
+
+class Unit(StrEnum):
+    """SI units; formulas are homogeneous in length, so any consistent unit of length works."""
+
+    NONE = "1"
+    METRE = "m"
+    RADIAN = "rad"
+    ACTUATOR = "rad or m"
+    SQUARE_METRE = "m^2"
+    CUBIC_METRE = "m^3"
+    METRE_PER_SECOND = "m/s"
+    ACTUATOR_RATE = "rad/s or m/s"
+    TWIST = "m/s, rad/s"
+    METRE_PER_SECOND_SQUARED = "m/s^2"
+    ACTUATOR_ACCELERATION = "rad/s^2 or m/s^2"
+    TWIST_RATE = "m/s^2, rad/s^2"
+    MIXED = "mixed"
+
+
+class Frame(StrEnum):
+    """The frame in which a vector or matrix is expressed."""
+
+    NONE = "-"
+    BASE = "base"
+    PLATFORM = "platform"
+    JOINT = "joint"
+
+
+class Layout(StrEnum):
+    """How the legs' parts of an array make the whole."""
+
+    SHARED = "shared"  # one for the robot
+    STACKED = "stacked"  # leg by leg along a first axis
+    ROWS = "rows"  # the legs' rows below one another: (2, 6) for a leg, (6, 6) in all
+    DIAGONAL = "block diagonal"  # the legs' blocks on a diagonal, zeros elsewhere
+
+
+LEGS = 3
+
+
+@dataclass(frozen=True)
+class Port:
+    """One input or output: its name, shape, unit, frame and meaning.
+
+    `shape` is that of one leg where `layout` is not SHARED; `full_shape` is the robot's.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    unit: Unit
+    frame: Frame
+    doc: str
+    layout: Layout = Layout.SHARED
+    labels: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> int:
+        return prod(self.shape)
+
+    @property
+    def per_leg(self) -> bool:
+        return self.layout is not Layout.SHARED
+
+    @property
+    def full_shape(self) -> tuple[int, ...]:
+        if self.layout is Layout.SHARED:
+            return self.shape
+        if self.layout is Layout.STACKED:
+            return (LEGS, *self.shape)
+        if self.layout is Layout.ROWS:
+            return (LEGS * self.shape[0], *self.shape[1:])
+        return (LEGS * self.shape[0], LEGS * self.shape[1])
+
+    @property
+    def full_size(self) -> int:
+        return prod(self.full_shape)
+
+
+@dataclass(frozen=True)
+class GeometryField:
+    """One length or angle that the owner of a robot sets, for one leg."""
+
+    name: str
+    unit: Unit
+    doc: str
+    positive: bool = False
+
+
+@dataclass(frozen=True)
+class GeometryType:
+    """The geometry of one leg's part: the fields that a person sets and the vectors prepared from them.
+
+    `prepare` is a kernel from the fields (scalars) to the prepared vectors and matrices, which every kernel may use.
+    """
+
+    name: str
+    doc: str
+    fields: tuple[GeometryField, ...]
+    prepare: Kernel
+
+    def field(self, name: str) -> GeometryField:
+        return next(entry for entry in self.fields if entry.name == name)
+
+
+GEOMETRY_PREFIX = "g."
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A straight-line function with typed inputs and outputs.
+
+    `results` gives, for each output port, its nodes in row-major order.  Inputs of the graph that start with `g.` are
+    fields of `geometry` (`g.l_2`) or vectors prepared from it (`g.e_1`).
+    `written` counts operations in the formulas as they were written, before anything is shared.
+    """
+
+    name: str
+    doc: str
+    equations: str
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    graph: Graph
+    results: Mapping[str, tuple[int, ...]]
+    written: int
+    geometry: GeometryType | None = None
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def result_nodes(self) -> tuple[int, ...]:
+        return tuple(node for port in self.outputs for node in self.results[port.name])
+
+    @property
+    def operations(self) -> OperationCount:
+        return count_operations(self.graph, self.result_nodes)
+
+    def input_port(self, name: str) -> Port:
+        return _find(self.inputs, name, self.name)
+
+    def output_port(self, name: str) -> Port:
+        return _find(self.outputs, name, self.name)
+
+
+def _find(ports: tuple[Port, ...], name: str, kernel: str) -> Port:
+    for port in ports:
+        if port.name == name:
+            return port
+    raise KeyError(f"kernel {kernel!r} has no port {name!r}; it has {', '.join(port.name for port in ports)}")

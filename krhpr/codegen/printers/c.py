@@ -1,0 +1,52 @@
+"""The C dialect: how kernels and robot functions read in C99."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from krhpr.codegen.graph import InputRef, Op
+from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel
+from krhpr.codegen.printers.infix import Body, Dialect, print_body
+
+FUNCTIONS = {
+    Op.SQRT: "sqrt",
+    Op.SIN: "sin",
+    Op.COS: "cos",
+    Op.ATAN2: "atan2",
+    Op.ABS: "fabs",
+    Op.MIN: "krhpr_min",
+    Op.MAX: "krhpr_max",
+}
+
+RESERVED = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
+    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while near far I "
+    "j0 j1 jn y0 y1 yn gamma signgam g leg".split()
+)
+
+
+def constant(value: Fraction) -> str:
+    """A literal that the compiler reads as the nearest double, and that is exact when read as decimal text."""
+    if value.denominator == 1:
+        return f"{value.numerator}.0"
+    if Fraction(float(value)) == value and value.denominator <= 1024:
+        return repr(float(value))
+    return f"({value.numerator}.0 / {value.denominator}.0)"
+
+
+def print_kernel(kernel: Kernel) -> Body:
+    """Lines of a kernel; inputs are elements of arrays, scalars are plain parameters."""
+    return print_body(kernel, Dialect(FUNCTIONS, constant, lambda ref: _input(kernel, ref), RESERVED))
+
+
+def _input(kernel: Kernel, ref: InputRef) -> str:
+    if ref.port.startswith(GEOMETRY_PREFIX):
+        assert kernel.geometry is not None
+        field = ref.port.removeprefix(GEOMETRY_PREFIX)
+        return f"g->{field}[{ref.index}]" if is_array(kernel.geometry, field) else f"g->{field}"
+    return f"{ref.port}[{ref.index}]" if kernel.input_port(ref.port).shape else ref.port
+
+
+def is_array(geometry: GeometryType, field: str) -> bool:
+    """Whether a geometry's field is an array (prepared) or a scalar (set by a person)."""
+    return all(entry.name != field for entry in geometry.fields)

@@ -1,0 +1,136 @@
+"""From a graph to named lines of infix code, the form that all targets share.
+
+A node gets a line of its own when it has a name, is used more than once, or when its expression would grow too long; the
+rest is written in place.  Parentheses keep the order of operations of the graph exactly.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from krhpr.codegen.graph import LEAVES, InputRef, Node, Op
+from krhpr.codegen.kernel import Kernel
+
+LONGEST = 78
+"""Expressions longer than this get a line of their own."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """`name = expression`, with a remark."""
+
+    name: str
+    expression: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A kernel as lines, and the expression of every element of every output."""
+
+    lines: tuple[Line, ...]
+    results: Mapping[str, tuple[str, ...]]
+    inputs_used: frozenset[InputRef]
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """What differs between targets: names of functions, literals, how an input is read, words that must not be names."""
+
+    functions: Mapping[Op, str]
+    constant: Callable[[Fraction], str]
+    input: Callable[[InputRef], str]
+    reserved: frozenset[str]
+
+
+_INFIX = {Op.ADD: (" + ", 1), Op.SUB: (" - ", 1), Op.MUL: (" * ", 2), Op.DIV: (" / ", 2)}
+_ATOM = 9
+_SIGN = 0  # a sign needs parentheses wherever it is an operand
+
+
+def print_body(kernel: Kernel, dialect: Dialect) -> Body:
+    """The lines of a kernel in one dialect."""
+    return _Printer(kernel, dialect).body()
+
+
+class _Printer:
+    def __init__(self, kernel: Kernel, dialect: Dialect) -> None:
+        self.kernel, self.dialect = kernel, dialect
+        self.graph = kernel.graph
+        self.needed = self.graph.needed(kernel.result_nodes)
+        self.uses: Counter[int] = Counter(kernel.result_nodes)
+        for index, node in self.graph:
+            if self.needed[index]:
+                self.uses.update(node.args)
+        ports = {port.name for port in (*kernel.inputs, *kernel.outputs)}
+        self.taken: set[str] = set(dialect.reserved) | ports
+        for ref in self._inputs():
+            self.taken.add(dialect.input(ref))
+        self.text: dict[int, tuple[str, int]] = {}
+        self.lines: list[Line] = []
+
+    def body(self) -> Body:
+        outputs = {port.name for port in self.kernel.outputs}
+        counter = 0
+        for index, node in self.graph:
+            if not self.needed[index]:
+                continue
+            expression, level = self._expression(node)
+            name = self.graph.names.get(index)
+            own_line = node.op not in LEAVES and (
+                self.uses[index] > 1 or len(expression) > LONGEST or (name is not None and name.text not in outputs)
+            )
+            if node.op is Op.NEG and self.uses[index] == 1 and name is None:
+                own_line = False
+            if not own_line:
+                self.text[index] = (expression, level)
+                continue
+            if name is None:
+                counter += 1
+                label, note = self._free(f"t{counter}"), ""
+            else:
+                label, note = self._free(name.text + name.component), name.note
+            self.lines.append(Line(label, expression, note))
+            self.text[index] = (label, _ATOM)
+        results = {
+            port.name: tuple(self.text[node][0] for node in self.kernel.results[port.name])
+            for port in self.kernel.outputs
+        }
+        return Body(tuple(self.lines), results, frozenset(self._inputs()))
+
+    def _inputs(self) -> list[InputRef]:
+        return [
+            node.value for index, node in self.graph if self.needed[index] and isinstance(node.value, InputRef)
+        ]
+
+    def _expression(self, node: Node) -> tuple[str, int]:
+        if isinstance(node.value, Fraction):
+            text = self.dialect.constant(node.value)
+            return text, _SIGN if text.startswith("-") else _ATOM
+        if isinstance(node.value, InputRef):
+            return self.dialect.input(node.value), _ATOM
+        if node.op is Op.NEG:
+            # multiplication binds tighter than the sign in value, so -a * b needs no parentheses
+            return f"-{self._operand(node.args[0], 2)}", _SIGN
+        if node.op in _INFIX:
+            symbol, level = _INFIX[node.op]
+            left = self._operand(node.args[0], level)
+            right = self._operand(node.args[1], level + 1)
+            return f"{left}{symbol}{right}", level
+        arguments = ", ".join(self.text[a][0] for a in node.args)
+        return f"{self.dialect.functions[node.op]}({arguments})", _ATOM
+
+    def _operand(self, index: int, level: int) -> str:
+        text, own = self.text[index]
+        return text if own >= level else f"({text})"
+
+    def _free(self, wanted: str) -> str:
+        name, number = wanted, 1
+        while name in self.taken:
+            number += 1
+            name = f"{wanted}_{'abcdefghijklmnopqrstuvwxyz'[number - 2]}" if number < 28 else f"{wanted}_{number}"
+        self.taken.add(name)
+        return name

@@ -1,0 +1,1 @@
+"""Proof by running: the printed texts (C, NumPy, CasADi) are evaluated in exact arithmetic and compared."""

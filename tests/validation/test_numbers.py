@@ -1,0 +1,352 @@
+"""The laws of the exact number types, and what they refuse to do."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from flint import ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from krhpr.validation import numbers
+from krhpr.validation.numbers import (
+    BALL,
+    EXACT,
+    FLOAT,
+    Angle,
+    Ball,
+    Exact,
+    NotRational,
+    Undecidable,
+    Undefined,
+    ball_precision,
+    same,
+)
+
+rationals = st.fractions(min_value=-1000, max_value=1000, max_denominator=1000)
+floats = st.floats(min_value=-1e6, max_value=1e6, allow_nan=False)
+tangents = st.fractions(min_value=-50, max_value=50, max_denominator=50)
+angles = st.builds(Angle.from_half_tangent, tangents)
+
+
+@pytest.fixture
+def ball_bits() -> Iterator[None]:
+    with ball_precision():
+        yield
+
+
+# Exact
+
+
+@given(rationals, rationals)
+def test_exact_operations_are_those_of_fractions(a: Fraction, b: Fraction) -> None:
+    x, y = Exact(a), Exact(b)
+    for operate in (operator.add, operator.sub, operator.mul):
+        for result in (operate(x, y), operate(x, b), operate(a, y)):
+            assert isinstance(result, Exact)
+            assert result.fraction == operate(a, b)
+    for compare in (operator.eq, operator.ne, operator.lt, operator.le, operator.gt, operator.ge):
+        assert compare(x, y) is compare(a, b)
+        assert compare(a, y) is compare(a, b)
+        assert compare(x, b) is compare(a, b)
+    if b:
+        assert (x / y).fraction == (a / y).fraction == (x / b).fraction == a / b
+    assert (-x).fraction == -a
+    assert abs(x).fraction == x.fabs().fraction == abs(a)
+    assert (x**3).fraction == a**3
+    assert hash(x) == hash(a)
+    assert x.minimum(y).fraction == min(a, b) and x.maximum(b).fraction == max(a, b)
+
+
+@given(rationals, rationals, rationals)
+def test_exact_numbers_are_a_field(a: Fraction, b: Fraction, c: Fraction) -> None:
+    x, y, z = Exact(a), Exact(b), Exact(c)
+    assert (x + y) + z == x + (y + z)
+    assert x * (y + z) == x * y + x * z
+    assert x - x == 0
+    if x:
+        assert x / x == 1
+        assert x**-2 == 1 / (x * x)
+
+
+@given(floats, rationals)
+def test_floats_count_by_their_exact_value(f: float, a: Fraction) -> None:
+    x, value = Exact(a), Fraction(f)
+    assert (x + f).fraction == (f + x).fraction == a + value
+    assert (f - x).fraction == value - a
+    assert (x * np.float64(f)).fraction == a * value
+    assert (np.float64(f) * x).fraction == a * value
+    assert (x < f) is (a < value)
+    assert Exact(f).to_float() == f
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_floats_that_are_no_numbers_raise(value: float) -> None:
+    for operate in (operator.add, operator.mul, operator.lt, operator.eq):
+        with pytest.raises(NotRational):
+            operate(Exact(1), value)
+    with pytest.raises(NotRational):
+        Ball(value)
+
+
+def test_exact_reads_text_and_integers() -> None:
+    assert Exact("0.1") == Fraction(1, 10)
+    assert Exact("2/6") == Fraction(1, 3)
+    assert Exact("1_000.5e1") == 10005
+    assert Exact(np.int64(7)) + np.int32(1) == 8
+    with pytest.raises(TypeError):
+        Exact(1j)
+    with pytest.raises(TypeError):
+        Exact(1) + "1"  # type: ignore[operator]
+
+
+@given(rationals, rationals)
+def test_roots_exist_where_they_are_rational(a: Fraction, b: Fraction) -> None:
+    assert Exact(a * a).sqrt() == abs(a)
+    for square in (2 * a * a, -a * a):
+        if a:
+            with pytest.raises(NotRational):
+                Exact(square).sqrt()
+    # (m^2 - n^2, 2 m n) is of the length m^2 + n^2.
+    leg, other = Exact(a * a - b * b), Exact(2 * a * b)
+    assert leg.hypot(other) == a * a + b * b
+    if a or b:
+        angle = other.arctan2(leg)
+        assert angle.cos() * leg.hypot(other) == leg
+        assert angle.sin() * leg.hypot(other) == other
+
+
+def test_what_is_not_rational_raises() -> None:
+    with pytest.raises(ZeroDivisionError):
+        Exact(1) / 0
+    with pytest.raises(ZeroDivisionError):
+        1 / Exact(0)
+    with pytest.raises(ZeroDivisionError):
+        Exact(0) ** -1
+    with pytest.raises(NotRational):
+        Exact(4) ** 0.5
+    with pytest.raises(NotRational):
+        Exact(1).sin()
+    with pytest.raises(NotRational):
+        Exact(1).arctan2(1)
+    with pytest.raises(Undefined):
+        Exact(0).arctan2(0)
+    assert Exact(0).sin() == 0 and Exact(0).cos() == 1
+
+
+@pytest.mark.parametrize("number", [Exact(1), Angle.zero(), Ball(1)])
+def test_nothing_turns_into_a_float_silently(number: Any) -> None:
+    with pytest.raises(TypeError):
+        float(number)
+    with pytest.raises(TypeError):
+        math.sqrt(number)
+    with pytest.raises(TypeError):
+        np.zeros(2)[0] = number
+    with pytest.raises(TypeError):
+        np.array([number]).astype(float)
+    assert isinstance(number.to_float(), float)
+
+
+# Angle
+
+
+@given(angles, angles, angles)
+def test_angles_are_a_group(a: Angle, b: Angle, c: Angle) -> None:
+    assert ((a + b) + c).congruent(a + (b + c))
+    assert (a + b).congruent(b + a)
+    assert (a - a).congruent(0)
+    assert (a - b).congruent(-(b - a))
+    assert (a + 0).congruent(a) and (0 + a).congruent(a) and (Exact(0) + a).congruent(a)
+    assert (0 - a).congruent(-a) and (0.0 - a).congruent(-a) and (a - 0).congruent(a)
+    assert a.cos() ** 2 + a.sin() ** 2 == 1
+
+
+@given(angles, st.integers(-6, 6))
+def test_multiples_of_angles(a: Angle, n: int) -> None:
+    expected = Angle.zero()
+    for _ in range(abs(n)):
+        expected = expected + (a if n > 0 else -a)
+    assert (n * a).congruent(expected)
+    assert (a * Exact(n)).congruent(expected)
+    assert (float(n) * a).congruent(expected)
+
+
+@given(tangents, tangents)
+def test_angles_agree_with_floats(s: Fraction, t: Fraction) -> None:
+    a, b = Angle.from_half_tangent(s), Angle.from_half_tangent(t)
+    alpha, beta = 2 * math.atan(s), 2 * math.atan(t)
+    for angle, value in ((a, alpha), (a + b, alpha + beta), (a - 3 * b, alpha - 3 * beta)):
+        assert angle.sin().to_float() == pytest.approx(math.sin(value), abs=1e-12)
+        assert angle.cos().to_float() == pytest.approx(math.cos(value), abs=1e-12)
+    assert a.to_float() == pytest.approx(alpha, abs=1e-12)
+
+
+def test_half_and_full_turns() -> None:
+    assert (2 * Angle.half_turn()).congruent(0)
+    assert Exact(0).arctan2(-1).congruent(Angle.half_turn())
+    assert Exact(3).arctan2(-4).congruent(Angle("-4/5", "3/5"))
+    assert not Angle(0, 1).congruent(Angle(0, -1))
+    with pytest.raises(ValueError, match="unit circle"):
+        Angle(1, 1)
+
+
+@pytest.mark.parametrize(
+    "misuse",
+    [
+        lambda a: a * Exact("1/2"),
+        lambda a: 0.5 * a,
+        lambda a: a * a,
+        lambda a: a / 2,
+        lambda a: 1 / a,
+        lambda a: a**2,
+        lambda a: a + 1,
+        lambda a: Exact(1) - a,
+        lambda a: Ball(0) + a,
+        lambda a: a * Ball(2),
+        lambda a: a < 1,
+        lambda a: a >= a,
+        lambda a: a == 0,
+        lambda a: a != a,
+        lambda a: abs(a),
+        lambda a: bool(a),
+        lambda a: numbers.fmin(a, a),
+        lambda a: numbers.sqrt(a),
+    ],
+)
+def test_angles_refuse_what_needs_their_size(misuse: Any) -> None:
+    with pytest.raises(TypeError, match=r"[Aa]ngle|minimum|sqrt"):
+        misuse(Angle("3/5", "4/5"))
+
+
+# Ball
+
+
+@given(rationals, rationals)
+def test_balls_enclose_exact_results(a: Fraction, b: Fraction) -> None:
+    with ball_precision(100):
+        x, y = Ball(a), Ball(b)
+        for operate in (operator.add, operator.sub, operator.mul):
+            for result in (operate(x, y), operate(x, b), operate(a, y), operate(Exact(a), y)):
+                assert isinstance(result, Ball)
+                assert result.close(operate(a, b), 1e-20)
+        if b:
+            assert (x / y).close(a / b, 1e-20) and (a / y).close(a / b, 1e-20)
+            assert (y**-3).close(Exact(b) ** -3, Fraction(1, 10**9))
+        assert (-x).close(-a, 1e-20) and abs(x).close(abs(a), 1e-20)
+        assert x.minimum(y).close(min(a, b), 1e-20) and x.maximum(b).close(max(a, b), 1e-20)
+        if a != b:
+            assert (x < y) is (a < b)
+            assert (x >= b) is (a >= b)
+            assert (x == y) is False and (x != y) is True
+
+
+@given(rationals, rationals)
+def test_ball_functions_agree_with_mpmath(a: Fraction, b: Fraction) -> None:
+    with ball_precision(), mpmath.workdps(95):
+        x, y = mpmath.mpf(a.numerator) / a.denominator, mpmath.mpf(b.numerator) / b.denominator
+        pairs = [(Ball(a).sin(), mpmath.sin(x)), (Ball(a).cos(), mpmath.cos(x))]
+        pairs.append((abs(Ball(a)).sqrt(), mpmath.sqrt(abs(x))))
+        pairs.append((Ball(a).hypot(b), mpmath.sqrt(x * x + y * y)))
+        pairs.append((Ball.pi(), +mpmath.pi))
+        if a:
+            pairs.append((Ball(a).arctan2(b), mpmath.atan2(x, y)))
+        for ball, reference in pairs:
+            assert ball.close(Exact(mpmath.nstr(reference, 93)), Fraction(1, 10**80))
+
+
+@given(floats)
+def test_balls_take_floats_by_their_exact_value(f: float) -> None:
+    with ball_precision(10):
+        assert Ball(f) == Fraction(f)
+
+
+def test_the_precision_is_not_leaked() -> None:
+    before = ctx.prec
+    with pytest.raises(KeyError), ball_precision(500):
+        assert ctx.prec == 500
+        with ball_precision():
+            assert ctx.prec == 300
+        assert ctx.prec == 500
+        raise KeyError
+    assert ctx.prec == before
+
+
+@pytest.mark.usefixtures("ball_bits")
+def test_open_comparisons_raise() -> None:
+    wide, third = Ball.around(0, 1), Ball(Fraction(1, 3))
+    for compare in (operator.lt, operator.le, operator.gt, operator.ge, operator.eq, operator.ne):
+        with pytest.raises(Undecidable):
+            compare(wide, 0)
+    with pytest.raises(Undecidable):
+        assert third == Fraction(1, 3)
+    with pytest.raises(Undecidable):
+        bool(wide)
+    assert wide < 2 and wide > -2 and wide != 2
+    assert Ball(2) == 2 and not Ball(2) != 2
+    assert third.overlaps(Fraction(1, 3)) and not third.overlaps(Fraction(1, 3) + Fraction(1, 10**80))
+    assert third.close(Fraction(1, 3)) and third.close(Fraction(1, 3) + Fraction(1, 10**61))
+    assert not third.close(Fraction(1, 3) + Fraction(1, 10**59))
+    with pytest.raises(Undecidable):
+        wide.close(0)
+
+
+@pytest.mark.usefixtures("ball_bits")
+def test_ball_functions_at_the_edge_of_their_domain() -> None:
+    wide = Ball.around(0, 1)
+    with pytest.raises(ZeroDivisionError):
+        1 / wide
+    with pytest.raises(ZeroDivisionError):
+        wide / Exact(0)
+    with pytest.raises(Undecidable):
+        wide.sqrt()
+    with pytest.raises(Undefined):
+        Ball(-1).sqrt()
+    assert Ball(0).sqrt() == 0
+    assert wide.hypot(0) < 1.5
+    with pytest.raises(Undecidable):
+        wide.arctan2(-1)
+    with pytest.raises(Undefined):
+        Ball(0).arctan2(0)
+    assert Ball(0).arctan2(-1).close(Ball.pi())
+    assert wide.arctan2(2) < 1
+    assert Ball(1).arctan2(wide) > 0
+
+
+# Functions and arithmetics
+
+
+def test_float_functions_are_those_of_c() -> None:
+    assert math.isnan(numbers.sqrt(-1.0)) and math.isnan(numbers.sin(math.inf))
+    assert math.isnan(numbers.cos(-math.inf))
+    assert numbers.divide(1.0, 0.0) == math.inf and numbers.divide(1.0, -0.0) == -math.inf
+    assert math.isnan(numbers.divide(0.0, 0.0))
+    assert numbers.fmin(math.nan, 1.0) == numbers.fmax(1.0, math.nan) == 1.0
+    assert numbers.fmax(math.nan, Exact(2)) == 2
+    assert numbers.hypot(3.0, Exact(4)) == 5
+    assert numbers.arctan2(0.0, Exact(-1)).congruent(Angle.half_turn())
+
+
+def test_same_compares_each_type_in_its_way() -> None:
+    assert same(Exact(1), 1) and same(1, Exact(1)) and not same(Exact(1), 2)
+    assert same(Angle.zero(), 0) and same(0, Angle.zero()) and not same(Angle.half_turn(), 0)
+    assert same(math.nan, math.nan) and not same(math.nan, 1.0) and same(0.5, Exact("1/2"))
+    with ball_precision():
+        assert same(Ball(2).sqrt() ** 2, 2) and same(2, Ball(2).sqrt() ** 2)
+        assert not same(Ball(2).sqrt(), 1.4142135623730951)
+
+
+def test_arithmetics_lift_plain_numbers() -> None:
+    tenth = Fraction(1, 10)
+    assert EXACT.lift(tenth) == tenth and isinstance(EXACT.lift(2), Exact)
+    assert isinstance(BALL.lift(Exact(2)), Exact) and isinstance(BALL.lift(2), Ball)
+    assert FLOAT.lift(tenth) == 0.1 and type(FLOAT.lift(np.float64(1))) is float
+    assert math.isnan(EXACT.lift(math.nan))
+    angle = Angle.half_turn()
+    assert EXACT.lift(angle) is angle
