@@ -34,6 +34,11 @@ class Series:
         return float(np.median(self.samples))
 
     @property
+    def low(self) -> float:
+        """The tenth percentile: what the code takes when nobody disturbs."""
+        return float(np.percentile(self.samples, 10))
+
+    @property
     def spread(self) -> float:
         """Interquartile range over the median."""
         low, high = np.percentile(self.samples, (25, 75))

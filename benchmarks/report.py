@@ -304,6 +304,7 @@ def as_json(results: Sequence[Result], python: Sequence[PythonResult]) -> list[d
             "text_bytes": entry.text or None,
             "generate_ms": entry.generate_ms,
             "median_ns": {mode: series.median for mode, series in entry.series.items()},
+            "tenth_percentile_ns": {mode: series.low for mode, series in entry.series.items()},
             "spread": {mode: series.spread for mode, series in entry.series.items()},
             "ratio_to_base": {mode: ratio(entry, base(mode), mode) for mode in entry.series},
         }

@@ -59,6 +59,7 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
         default_geometry=entry.sizes,
         default_mode=_signs(subleg.modes, subleg.default_mode),
         default_assembly=_signs(subleg.assemblies, subleg.default_assembly),
+        mode_names=tuple(sign.name for sign in subleg.inverse_signs),
         mode_labels=tuple(mode.label for mode in subleg.modes),
         mode_signs=tuple(mode.signs for mode in subleg.modes),
         assembly_labels=tuple(mode.label for mode in subleg.assemblies),

@@ -174,6 +174,7 @@ class RobotCode:
     default_geometry: Mapping[str, tuple[float, float, float]]
     default_mode: tuple[float, ...]
     default_assembly: tuple[float, ...]
+    mode_names: tuple[str, ...]
     mode_labels: tuple[str, ...]
     mode_signs: tuple[tuple[int, ...], ...]
     assembly_labels: tuple[str, ...]

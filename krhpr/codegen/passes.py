@@ -39,6 +39,7 @@ def optimise(name: str, doc: str, geometry: GeometryType | None, kernels: Sequen
     written = {kernel.name: kernel.written for kernel in kernels}
     shared = [hoist_reciprocals(kernel) for kernel in kernels]
     if geometry is not None:
+        shared = [fold_prepared_constants(geometry, kernel) for kernel in shared]
         geometry, shared = precompute_parameters(geometry, shared)
         geometry = replace(geometry, prepare=pair_sine_cosine(remove_dead_code(geometry.prepare)))
         shared = [replace(kernel, geometry=geometry) if kernel.geometry else kernel for kernel in shared]
@@ -56,6 +57,21 @@ def hoist_reciprocals(kernel: Kernel) -> Kernel:
             return None
         reciprocal = target.div(target.constant(1), place[node.args[1]])
         return target.mul(place[node.args[0]], reciprocal)
+
+    return _replay(kernel, rule)
+
+
+def fold_prepared_constants(geometry: GeometryType, kernel: Kernel) -> Kernel:
+    """Prepared components that are the same for every geometry (e_t has no z) become constants in the kernel."""
+    known: dict[InputRef, Fraction] = {}
+    for name, nodes in geometry.prepare.results.items():
+        for index, result in enumerate(nodes):
+            value = geometry.prepare.graph.value(result)
+            if value is not None:
+                known[InputRef(GEOMETRY_PREFIX + name, index)] = value
+
+    def rule(target: Graph, index: int, node: Node, place: Sequence[int]) -> int | None:
+        return target.constant(known[node.value]) if isinstance(node.value, InputRef) and node.value in known else None
 
     return _replay(kernel, rule)
 

@@ -28,7 +28,13 @@ import numpy as np
 from krhpr.native.compiler import SHARED, NoCompiler, compile_library
 
 if TYPE_CHECKING:
+    from typing import Any
+
+    from numpy.typing import NDArray
     from typing_extensions import Buffer
+
+    # Before Python 3.12 the type checker does not know that the last two are buffers.
+    Bytes = Buffer | ctypes.Structure | NDArray[Any]
 
 EXTENSION_FLAGS = (
     "-std=gnu11",
@@ -48,7 +54,7 @@ class _Extension(Protocol):
         name: str,
         doc: str,
         function: int,
-        geometry: Buffer | None,
+        geometry: Bytes | None,
         signature: str,
         nin: int,
         nout: int,
@@ -61,7 +67,7 @@ def make_gufunc(
     name: str,
     doc: str,
     function: int,
-    geometry: Buffer | None,
+    geometry: Bytes | None,
     signature: str,
     nin: int,
     nout: int,

@@ -37,6 +37,8 @@ HINT = (
     "or name a compiler in the environment variable CC"
 )
 
+StrPath = str | os.PathLike[str]
+
 _INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*["<]([^">\n]+)[">]', re.MULTILINE)
 _NAME = re.compile(r"[A-Za-z0-9_.]+")
 
@@ -83,10 +85,10 @@ def find_compiler() -> Compiler:
 
 def compile_library(
     name: str,
-    sources: Iterable[Path],
+    sources: Iterable[StrPath],
     *,
-    include_dirs: Iterable[Path] = (),
-    system_include_dirs: Iterable[Path] = (),
+    include_dirs: Iterable[StrPath] = (),
+    system_include_dirs: Iterable[StrPath] = (),
     flags: Sequence[str] = SPEED_FLAGS,
     tag: str = "",
     compiler: Compiler | None = None,
@@ -99,7 +101,7 @@ def compile_library(
     """
     if not _NAME.fullmatch(name):
         raise ValueError(f"{name!r} is no name for a library: letters, digits, _ and . only")
-    sources, include_dirs = [Path(s).absolute() for s in sources], [Path(d).absolute() for d in include_dirs]
+    files, folders = [Path(s).absolute() for s in sources], [Path(d).absolute() for d in include_dirs]
     compiler = compiler or find_compiler()
     parts = [
         compiler.command,
@@ -107,7 +109,7 @@ def compile_library(
         tuple(flags),
         processor(),
         tag,
-        _contents(sources, include_dirs),
+        _contents(files, folders),
     ]
     key = cache.digest(json.dumps(parts).encode())
     if found := cache.find(name, key):
@@ -117,10 +119,10 @@ def compile_library(
             return found
         built = folder / f"{name}{cache.SUFFIX}"
         command = [*compiler.command, *accepted_flags(compiler, tuple(flags))]
-        command += [f"-I{path}" for path in include_dirs]
+        command += [f"-I{path}" for path in folders]
         for path in system_include_dirs:
             command += ["-isystem", str(path)]
-        command += [*map(str, sources), "-o", str(built), "-lm"]
+        command += [*map(str, files), "-o", str(built), "-lm"]
         succeeded, output = _run(command)
         if not succeeded or not built.exists():
             raise CompilationError(command, output)

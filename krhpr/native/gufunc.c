@@ -51,7 +51,6 @@ typedef struct {
     batch_function function;
     const void *geometry;
     int nin, nout; /* of doubles; the status is argument nin + nout */
-    int scalar;    /* no argument has a core dimension: NumPy treats the ufunc as an element by element one */
     argument arguments[MAX_ARGUMENTS];
     PyUFuncGenericFunction loops[1];
     void *data[1];
@@ -62,13 +61,12 @@ typedef struct {
 /* ------------------------------------------------------------------------------------------------------ the loop -- */
 
 /* Whether a kernel can work on the argument where it lies. */
-static int lies_ready(const argument *a, const char *start, npy_intp count, npy_intp step, const npy_intp *core_steps,
-                      npy_intp item)
+static int lies_ready(const argument *a, const char *start, npy_intp count, npy_intp step, const npy_intp *core_steps)
 {
-    if ((uintptr_t)start % (uintptr_t)item != 0 || (count > 1 && step % item != 0)) {
+    npy_intp expected = (npy_intp)sizeof(double);
+    if ((uintptr_t)start % _Alignof(double) != 0 || (count > 1 && step % expected != 0)) {
         return 0;
     }
-    npy_intp expected = item;
     for (int d = a->dims - 1; d >= 0; --d) {
         if (a->shape[d] != 1 && core_steps[d] != expected) {
             return 0;
@@ -118,7 +116,6 @@ static void call_in_blocks(const kernel *k, char *const *starts, npy_intp count,
 {
     const int doubles = k->nin + k->nout, nargs = doubles + 1;
     double buffer[MAX_TOTAL];
-    int status_buffer[MAX_BLOCK];
     double *packed[MAX_ARGUMENTS] = {NULL};
     double *places[MAX_ARGUMENTS];
     ptrdiff_t place_steps[MAX_ARGUMENTS];
@@ -134,7 +131,7 @@ static void call_in_blocks(const kernel *k, char *const *starts, npy_intp count,
             packed[i] = free_place;
             free_place += block * k->arguments[i].size;
         }
-        place_steps[i] = ready[i] ? (ptrdiff_t)(steps[i] / (npy_intp)sizeof(double)) : (ptrdiff_t)k->arguments[i].size;
+        place_steps[i] = ready[i] ? steps[i] / (npy_intp)sizeof(double) : k->arguments[i].size;
     }
 
     for (npy_intp done = 0; done < count; done += block) {
@@ -149,11 +146,9 @@ static void call_in_blocks(const kernel *k, char *const *starts, npy_intp count,
                 }
             }
         }
-        char *status = starts[doubles] + done * steps[doubles];
-        const npy_intp int_step = steps[doubles] / (npy_intp)sizeof(int);
         k->function(k->geometry, (size_t)now, (const double *const *)places, place_steps, places + k->nin,
-                    place_steps + k->nin, ready[doubles] ? (int *)status : status_buffer,
-                    ready[doubles] ? (ptrdiff_t)int_step : 1);
+                    place_steps + k->nin, (int *)(starts[doubles] + done * steps[doubles]),
+                    steps[doubles] / (npy_intp)sizeof(int));
         for (int i = k->nin; i < doubles; ++i) {
             const argument *a = &k->arguments[i];
             char *start = starts[i] + done * steps[i];
@@ -161,25 +156,11 @@ static void call_in_blocks(const kernel *k, char *const *starts, npy_intp count,
                 move_core(a, start + j * steps[i], steps + nargs + a->first_step, packed[i] + j * a->size, 0);
             }
         }
-        for (npy_intp j = 0; !ready[doubles] && j < now; ++j) {
-            memcpy(status + j * steps[doubles], &status_buffer[j], sizeof(int));
-        }
     }
 }
 
-/* Whether the output shares its place with an input. NumPy sees to it that none does (see new_ufunc), except for scalar
- * functions, where input and output may be the very same array. */
-static int lies_over_input(const kernel *k, char *const *starts, int output)
-{
-    for (int i = 0; i < k->nin; ++i) {
-        if (starts[i] == starts[output]) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-/* NumPy calls this without the interpreter's lock (for batches worth it): no Python here. */
+/* NumPy calls this without the interpreter's lock (for batches worth it): no Python here. Every argument is aligned, as
+ * NumPy promises. */
 static void loop(char **starts, const npy_intp *dimensions, const npy_intp *steps, void *data)
 {
     const kernel *k = data;
@@ -190,13 +171,9 @@ static void loop(char **starts, const npy_intp *dimensions, const npy_intp *step
     }
 
     int ready[MAX_ARGUMENTS], all_ready = 1;
-    for (int i = 0; i < nargs; ++i) {
+    for (int i = 0; i < doubles; ++i) {
         const argument *a = &k->arguments[i];
-        ready[i] = lies_ready(a, starts[i], count, steps[i], steps + nargs + a->first_step,
-                              i < doubles ? (npy_intp)sizeof(double) : (npy_intp)sizeof(int));
-        if (k->scalar && i >= k->nin && lies_over_input(k, starts, i)) {
-            ready[i] = 0;
-        }
+        ready[i] = lies_ready(a, starts[i], count, steps[i], steps + nargs + a->first_step);
         all_ready &= ready[i];
     }
     if (all_ready) {
@@ -204,11 +181,10 @@ static void loop(char **starts, const npy_intp *dimensions, const npy_intp *step
         double *places[MAX_ARGUMENTS];
         for (int i = 0; i < doubles; ++i) {
             places[i] = (double *)starts[i];
-            place_steps[i] = (ptrdiff_t)(steps[i] / (npy_intp)sizeof(double));
+            place_steps[i] = steps[i] / (npy_intp)sizeof(double);
         }
         k->function(k->geometry, (size_t)count, (const double *const *)places, place_steps, places + k->nin,
-                    place_steps + k->nin, (int *)starts[doubles],
-                    (ptrdiff_t)(steps[doubles] / (npy_intp)sizeof(int)));
+                    place_steps + k->nin, (int *)starts[doubles], steps[doubles] / (npy_intp)sizeof(int));
     }
     else {
         call_in_blocks(k, starts, count, steps, ready);
@@ -322,7 +298,6 @@ static PyUFuncObject *new_ufunc(kernel *k, const char *signature)
         Py_DECREF(ufunc);
         return NULL;
     }
-    k->scalar = !ufunc->core_enabled;
     /* NumPy takes for granted that a loop may write an output over an input that lies at the same place, as element by
      * element functions may. A kernel may not: ask for copies then (as NumPy's own matmul does). */
     for (int i = k->nin; i < ufunc->nargs; ++i) {

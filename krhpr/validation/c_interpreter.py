@@ -195,7 +195,8 @@ class Block:
 
     def name_of(self, index: int) -> str:
         """What to call a cell in a message."""
-        return self.name if len(self.cells) == 1 else f"{self.name}[{index}]"
+        name = self.name or "array"
+        return name if len(self.cells) == 1 else f"{name}[{index}]"
 
 
 def _flatten(values: Any) -> Iterator[Any]:
@@ -211,18 +212,19 @@ def _flatten(values: Any) -> Iterator[Any]:
 class Array:
     """A pointer into memory; Python hands arrays to C functions, and reads them afterwards, as these.
 
-    `Array([1, 2, 3])` makes new memory (nested sequences are flattened, row by row), `Array.unset(9)` memory
-    that was never written.  Indices count from where the pointer points.
+    `Array([1, 2, 3])` makes new memory with a copy of the values (nested sequences are flattened, row by
+    row), `Array.unset(9)` memory that was never written.  Indices count from where the pointer points.
+    Messages call it by the `name`, or by that of the parameter to which it is handed first.
     """
 
     __slots__ = ("_block", "_high", "_low", "_start")
 
-    def __init__(self, values: Any, name: str = "array") -> None:
+    def __init__(self, values: Any, name: str = "") -> None:
         self._block = Block(list(_flatten(values)), None, name)
         self._start, self._low, self._high = 0, 0, len(self._block.cells)
 
     @classmethod
-    def unset(cls, length: int, name: str = "array") -> Array:
+    def unset(cls, length: int, name: str = "") -> Array:
         """New memory for `length` elements, none of them written."""
         return cls([UNSET] * length, name)
 
@@ -256,6 +258,10 @@ class Array:
 
     def __iter__(self) -> Iterator[Any]:
         return (self[i] for i in range(len(self)))
+
+    def at(self, offset: int) -> Array:
+        """The pointer `offset` elements further on, into the same memory (`&a[offset]`)."""
+        return Array._view(self._block, self._start + offset, self._low, self._high)
 
     def is_set(self, index: int) -> bool:
         """Whether the element was written."""
@@ -368,6 +374,7 @@ def _pointer_from_python(
             item if item is UNSET else _from_python(item, innermost, arithmetic, name) for item in block.cells
         ]
         block.ctype, block.arithmetic = innermost, arithmetic
+        block.name = block.name or name
     elif block.ctype != innermost:
         raise TypeError(f"{name}: {_show(innermost)} expected, but {block.name} is of {_show(block.ctype)}")
     return pointer
@@ -728,6 +735,7 @@ MATH_FUNCTIONS: dict[str, tuple[CType, int, Callable[..., Any]]] = {
     "sqrt": (REAL, 1, numbers.sqrt),
     "fabs": (REAL, 1, numbers.fabs),
     "atan2": (REAL, 2, numbers.arctan2),
+    "floor": (REAL, 1, numbers.floor),
     "hypot": (REAL, 2, numbers.hypot),
     "fmax": (REAL, 2, numbers.fmax),
     "fmin": (REAL, 2, numbers.fmin),
@@ -961,7 +969,7 @@ class _Compiler:
         """An expression as a condition."""
         expression = self.expression(node)
         get = expression.get
-        match expression.ctype:
+        match _decayed(expression.ctype):
             case Integer() | Real():
                 return lambda frame: bool(get(frame) != 0)
             case Pointer():
@@ -971,7 +979,7 @@ class _Compiler:
 
     def converted(self, expression: Expression, ctype: CType, node: Any) -> Get:
         """The value of an expression as one of type `ctype` (assignment, argument, return, cast)."""
-        get, source, where = expression.get, expression.ctype, _where(node)
+        get, source, where = expression.get, _decayed(expression.ctype), _where(node)
         match source, ctype:
             case (Real(), Real()):
                 return get
@@ -1281,15 +1289,14 @@ class _Compiler:
             ctype = REAL
         else:
             ctype = b if a == NULL_POINTER else a
-        get_a = self.converted(Expression(a, then.get), ctype, node)
-        get_b = self.converted(Expression(b, other.get), ctype, node)
+        get_a, get_b = self.converted(then, ctype, node), self.converted(other, ctype, node)
         return Expression(ctype, lambda frame: get_a(frame) if condition(frame) else get_b(frame))
 
     def _cast(self, node: Any) -> Expression:
         ctype, value = self.types.resolve(node.to_type), self.expression(node.expr)
         if isinstance(ctype, Void):
-            return Expression(ctype, value.get if not isinstance(value.ctype, Vector) else lambda frame: None)
-        return Expression(ctype, self.converted(_value_of(value), ctype, node))
+            return Expression(ctype, value.get)
+        return Expression(ctype, self.converted(value, ctype, node))
 
     def _call(self, node: Any, used: bool) -> Expression:
         if not isinstance(node.name, c_ast.ID):
@@ -1309,10 +1316,7 @@ class _Compiler:
             raise _unsupported(node, f"{name} takes {len(wanted)} arguments, {len(arguments)} given")
         if used and isinstance(result, Void):
             raise _unsupported(node, f"{name} has no value")
-        gets = [
-            self.converted(_value_of(item), ctype, node)
-            for item, ctype in zip(arguments, wanted, strict=True)
-        ]
+        gets = [self.converted(item, ctype, node) for item, ctype in zip(arguments, wanted, strict=True)]
         if compute is not None:
             operation = compute
             return Expression(result, lambda frame: operation(*[get(frame) for get in gets]))
@@ -1347,10 +1351,6 @@ def _sequence(statements: list[Run]) -> Run:
 
 def _decayed(ctype: CType) -> CType:
     return Pointer(ctype.element) if isinstance(ctype, Vector) else ctype
-
-
-def _value_of(expression: Expression) -> Expression:
-    return Expression(_decayed(expression.ctype), expression.get)
 
 
 def _truncated(value: Any, where: str) -> int:
@@ -1419,6 +1419,8 @@ class CProgram:
     `constants` adds to, or replaces, the values of NAN, INFINITY and M_PI: a number, or a function without
     arguments that makes one.  By default NAN and INFINITY are the floats of that name, which can be written
     and tested but not calculated with in exact arithmetic, and M_PI is the arithmetic's pi.
+
+    `macros` are object-like macros that are defined beforehand, as a compiler's -D does.
     """
 
     def __init__(
@@ -1426,6 +1428,7 @@ class CProgram:
         sources: Iterable[tuple[str, str]],
         arithmetic: Arithmetic = EXACT,
         constants: Mapping[str, Any] | None = None,
+        macros: Mapping[str, str] | None = None,
     ) -> None:
         self.arithmetic = arithmetic
         self._constants: dict[str, Callable[[], Any]] = {
@@ -1440,6 +1443,7 @@ class CProgram:
         self._functions: dict[str, Function] = {}
         self._globals: dict[str, tuple[CType, Block]] = {}
         preprocessor = _Preprocessor([*self._constants, "NULL", "true", "false"])
+        preprocessor.macros |= macros or {}
         text = "\n".join([_PRELUDE, *(preprocessor.process(source, name) for name, source in sources)])
         try:
             tree = c_parser.CParser().parse(text, "prelude")
@@ -1454,10 +1458,12 @@ class CProgram:
         paths: Iterable[str | Path],
         arithmetic: Arithmetic = EXACT,
         constants: Mapping[str, Any] | None = None,
+        macros: Mapping[str, str] | None = None,
     ) -> CProgram:
         """The program in these files, headers before what uses them."""
         files = [Path(path) for path in paths]
-        return cls([(file.name, file.read_text(encoding="utf-8")) for file in files], arithmetic, constants)
+        texts = [(file.name, file.read_text(encoding="utf-8")) for file in files]
+        return cls(texts, arithmetic, constants, macros)
 
     @classmethod
     def from_text(
@@ -1465,10 +1471,11 @@ class CProgram:
         text: str,
         arithmetic: Arithmetic = EXACT,
         constants: Mapping[str, Any] | None = None,
+        macros: Mapping[str, str] | None = None,
         name: str = "text.c",
     ) -> CProgram:
         """The program in this text."""
-        return cls([(name, text)], arithmetic, constants)
+        return cls([(name, text)], arithmetic, constants, macros)
 
     @property
     def functions(self) -> tuple[str, ...]:

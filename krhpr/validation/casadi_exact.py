@@ -134,6 +134,7 @@ _OPERATIONS: dict[int, Callable[..., Any]] = {
     casadi.OP_ATAN2: numbers.arctan2,
     casadi.OP_HYPOT: numbers.hypot,
     casadi.OP_FABS: numbers.fabs,
+    casadi.OP_FLOOR: numbers.floor,
     casadi.OP_FMIN: numbers.fmin,
     casadi.OP_FMAX: numbers.fmax,
     casadi.OP_SIGN: _sign,

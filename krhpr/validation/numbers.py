@@ -236,6 +236,10 @@ class Exact:
         number = _exact(other)
         return self if self._value >= number._value else number
 
+    def floor(self) -> Exact:
+        """The largest whole number that is not larger."""
+        return Exact(math.floor(self.fraction))
+
 
 def _exact(value: object) -> Exact:
     return value if isinstance(value, Exact) else Exact(value)
@@ -626,6 +630,13 @@ class Ball:
         """An enclosure of the larger of the two, whichever it is."""
         return Ball._of(self._value.max(_ball(other)._value))
 
+    def floor(self) -> Ball:
+        """The largest whole number that is not larger; raises where the ball leaves it open."""
+        low, high = self._value.lower().floor(), self._value.upper().floor()
+        if not low == high:
+            raise Undecidable(f"the floor of {self!r}")
+        return Ball._of(low)
+
 
 def _ball(value: object) -> Ball:
     return value if isinstance(value, Ball) else Ball(value)
@@ -718,7 +729,7 @@ def arctan2(y: Any, x: Any) -> Any:
 
 
 def hypot(x: Any, y: Any) -> Any:
-    """The length of (x, y); for floats as in C."""
+    """The length of (x, y); for floats as in C, but for the last bit (Python has a hypot of its own)."""
     if isinstance(x, float) and isinstance(y, float):
         return math.hypot(x, y)
     x, y = _matched(x, y)
@@ -728,6 +739,13 @@ def hypot(x: Any, y: Any) -> Any:
 def fabs(x: Any) -> Any:
     """The absolute value."""
     return abs(x)
+
+
+def floor(x: Any) -> Any:
+    """The largest whole number that is not larger; for floats as in C."""
+    if isinstance(x, float):
+        return float(math.floor(x)) if math.isfinite(x) else x
+    return _call("floor", x)
 
 
 def fmin(x: Any, y: Any) -> Any:

@@ -137,6 +137,7 @@ def _elementwise(arithmetic: Arithmetic) -> dict[str, Any]:
         "sqrt": lifted(numbers.sqrt, 1),
         "sin": lifted(numbers.sin, 1),
         "cos": lifted(numbers.cos, 1),
+        "floor": lifted(numbers.floor, 1),
         "abs": absolute,
         "absolute": absolute,
         "fabs": absolute,

@@ -1,10 +1,6 @@
 from __future__ import annotations
 
 import ctypes
-import os
-import struct
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -20,20 +16,7 @@ from krhpr.native import (
     load_library,
     make_gufunc,
 )
-
-HERE = Path(__file__).parent
-
-SCALE, OFFSET = 1.5, (1.0, -2.0, 0.25)
-GEOMETRY = struct.pack("4d", SCALE, *OFFSET)
-
-# name: signature, inputs, outputs without the status
-KERNELS = {
-    "matvec": ("(3),(3,3)->(3),()", 2, 1),
-    "root": ("()->(),()", 1, 1),
-    "split": ("(2,3)->(3,2),(),()", 1, 2),
-    "calls": ("(2)->(3),()", 1, 1),
-    "meet": ("(1)->(1),()", 1, 1),
-}
+from tests.native.support import GEOMETRY, KERNELS, SOURCE
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -55,7 +38,7 @@ def compiler(cache: Path) -> Compiler:
 
 @pytest.fixture(scope="session")
 def library(compiler: Compiler) -> ctypes.CDLL:
-    return load_library(compile_library("kernels", [HERE / "kernels.c"], compiler=compiler))
+    return load_library(compile_library("kernels", [SOURCE], compiler=compiler))
 
 
 @pytest.fixture(scope="session")
@@ -74,19 +57,3 @@ def make(library: ctypes.CDLL) -> Callable[[str], np.ufunc]:
 @pytest.fixture(scope="session")
 def matvec(make: Callable[[str], np.ufunc]) -> np.ufunc:
     return make("matvec")
-
-
-def run_python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run code in a Python of its own that finds the same packages."""
-    return subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
-@pytest.fixture(name="run_python", scope="session")
-def run_python_fixture() -> Callable[..., subprocess.CompletedProcess[str]]:
-    return run_python

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import gc
 import os
-import subprocess
 import threading
 import tracemalloc
 import warnings
@@ -29,8 +28,7 @@ from krhpr.native import (
     load_library,
     make_gufunc,
 )
-
-from .conftest import GEOMETRY, HERE, KERNELS, OFFSET, SCALE
+from tests.native.support import GEOMETRY, KERNELS, OFFSET, SCALE, SOURCE, run_python
 
 Make = Callable[[str], np.ufunc]
 RNG = np.random.default_rng(7)
@@ -446,7 +444,7 @@ class Owner:
 
 
 def test_owner_lives_as_long_as_the_function(compiler: Compiler) -> None:
-    library = load_library(compile_library("kernels", [HERE / "kernels.c"], compiler=compiler))
+    library = load_library(compile_library("kernels", [SOURCE], compiler=compiler))
     owner: Any = Owner()
     owner.library = library
     watch = weakref.ref(owner)
@@ -517,7 +515,7 @@ def test_nothing_leaks(library: ctypes.CDLL) -> None:
 
 
 def test_missing_python_headers_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(adapter.sysconfig, "get_path", lambda name: str(tmp_path / "nowhere"))
+    monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path / "nowhere"))
     with pytest.raises(NoCompiler, match=r"Python\.h.*python3-dev"):
         adapter.extension_path()
 
@@ -532,12 +530,10 @@ def test_library_that_cannot_be_loaded(tmp_path: Path) -> None:
 def test_each_compiler_takes_it_without_a_warning(
     program: str,
     tmp_path: Path,
-    run_python: Callable[..., subprocess.CompletedProcess[str]],
 ) -> None:
     """The extension and the kernels, with warnings as errors; then both at work in a process of their own."""
     code = f"""
 import numpy as np
-from pathlib import Path
 from krhpr.native import *
 from krhpr.native import adapter
 try:
@@ -548,7 +544,7 @@ except NoCompiler as error:
 warnings = ("-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wconversion", "-Wvla")
 speed = (*SPEED_FLAGS, *warnings)
 adapter.EXTENSION_FLAGS += warnings
-library = load_library(compile_library("kernels", [Path({str(HERE / "kernels.c")!r})], flags=speed))
+library = load_library(compile_library("kernels", [{str(SOURCE)!r}], flags=speed))
 f = make_gufunc("split", "", function_address(library, "split"), None, "(2,3)->(3,2),(),()", 1, 2, library)
 x = np.arange(60.0).reshape(10, 2, 3)
 for x in (x, x[:, ::-1, ::-1]):

@@ -6,9 +6,7 @@ import os
 import pickle
 import shlex
 import stat
-import subprocess
 import warnings
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -27,8 +25,7 @@ from krhpr.native import (
 )
 from krhpr.native import compiler as compiler_module
 from krhpr.native.compiler import accepted_flags
-
-RunPython = Callable[..., "subprocess.CompletedProcess[str]"]
+from tests.native.support import run_python
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs shell scripts as compilers")
 
@@ -108,9 +105,7 @@ def test_second_time_runs_no_compiler(script: Script, own_cache: Path, source: P
     assert script.calls() == before
 
 
-def test_another_process_asks_for_the_version_only(
-    script: Script, own_cache: Path, source: Path, run_python: RunPython
-) -> None:
+def test_another_process_asks_for_the_version_only(script: Script, own_cache: Path, source: Path) -> None:
     path = compile_library("answer", [source])
     before = script.calls()
     done = run_python(f"from krhpr.native import *; print(compile_library('answer', [{str(source)!r}]))")
@@ -189,9 +184,7 @@ def test_threads_compile_once(script: Script, own_cache: Path, source: Path) -> 
     assert len(script.compilations()) == 1
 
 
-def test_processes_compile_at_the_same_time(
-    script: Script, own_cache: Path, source: Path, run_python: RunPython
-) -> None:
+def test_processes_compile_at_the_same_time(script: Script, own_cache: Path, source: Path) -> None:
     code = f"""
 from krhpr.native import compile_library, load_library
 path = compile_library("answer", [{str(source)!r}])
@@ -248,9 +241,7 @@ def test_cache_that_cannot_be_written(
     assert len(script.compilations()) == 2
 
 
-def test_temporary_cache_goes_with_the_process(
-    compiler: Compiler, source: Path, tmp_path: Path, run_python: RunPython
-) -> None:
+def test_temporary_cache_goes_with_the_process(compiler: Compiler, source: Path, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     code = f"from krhpr.native import *; print(compile_library('answer', [{str(source)!r}]))"
     done = run_python(code, KRHPR_CACHE=str(tmp_path / "file" / "cache"))

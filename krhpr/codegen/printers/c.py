@@ -12,7 +12,7 @@ FUNCTIONS = {
     Op.SQRT: "sqrt",
     Op.SIN: "sin",
     Op.COS: "cos",
-    Op.ATAN2: "atan2",
+    Op.ATAN2: "krhpr_atan2",
     Op.ABS: "fabs",
     Op.MIN: "krhpr_min",
     Op.MAX: "krhpr_max",
@@ -36,7 +36,7 @@ def constant(value: Fraction) -> str:
 
 def print_kernel(kernel: Kernel) -> Body:
     """Lines of a kernel; inputs are elements of arrays, scalars are plain parameters."""
-    return print_body(kernel, Dialect(FUNCTIONS, constant, lambda ref: _input(kernel, ref), RESERVED))
+    return print_body(kernel, Dialect(FUNCTIONS, constant, lambda ref: _input(kernel, ref), RESERVED, pairs=True))
 
 
 def _input(kernel: Kernel, ref: InputRef) -> str:

@@ -28,22 +28,35 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Pair:
+    """The sine and the cosine of one angle, computed together."""
+
+    sine: str
+    cosine: str
+    argument: str
+
+
+@dataclass(frozen=True)
 class Body:
     """A kernel as lines, and the expression of every element of every output."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[Line | Pair, ...]
     results: Mapping[str, tuple[str, ...]]
     inputs_used: frozenset[InputRef]
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """What differs between targets: names of functions, literals, how an input is read, words that must not be names."""
+    """What differs between targets: names of functions, literals, how an input is read, words that must not be names.
+
+    With `pairs`, a sine and a cosine of one angle become one statement.
+    """
 
     functions: Mapping[Op, str]
     constant: Callable[[Fraction], str]
     input: Callable[[InputRef], str]
     reserved: frozenset[str]
+    pairs: bool = False
 
 
 _INFIX = {Op.ADD: (" + ", 1), Op.SUB: (" - ", 1), Op.MUL: (" * ", 2), Op.DIV: (" / ", 2)}
@@ -65,41 +78,73 @@ class _Printer:
         for index, node in self.graph:
             if self.needed[index]:
                 self.uses.update(node.args)
+        self.outputs = {port.name for port in kernel.outputs}
         ports = {port.name for port in (*kernel.inputs, *kernel.outputs)}
         self.taken: set[str] = set(dialect.reserved) | ports
         for ref in self._inputs():
             self.taken.add(dialect.input(ref))
         self.text: dict[int, tuple[str, int]] = {}
-        self.lines: list[Line] = []
+        self.lines: list[Line | Pair] = []
+        self.counter = 0
+        self.partner = self._partners() if dialect.pairs else {}
 
     def body(self) -> Body:
-        outputs = {port.name for port in self.kernel.outputs}
-        counter = 0
         for index, node in self.graph:
-            if not self.needed[index]:
+            if not self.needed[index] or index in self.text:
+                continue
+            if index in self.partner:
+                self._pair(index, self.partner[index])
                 continue
             expression, level = self._expression(node)
-            name = self.graph.names.get(index)
-            own_line = node.op not in LEAVES and (
-                self.uses[index] > 1 or len(expression) > LONGEST or (name is not None and name.text not in outputs)
-            )
-            if node.op is Op.NEG and self.uses[index] == 1 and name is None:
-                own_line = False
-            if not own_line:
-                self.text[index] = (expression, level)
-                continue
-            if name is None:
-                counter += 1
-                label, note = self._free(f"t{counter}"), ""
+            if self._stands_alone(index, node, expression):
+                label = self._label(index)
+                note = self.graph.names[index].note if index in self.graph.names else ""
+                self.lines.append(Line(label, expression, note))
+                self.text[index] = (label, _ATOM)
             else:
-                label, note = self._free(name.text + name.component), name.note
-            self.lines.append(Line(label, expression, note))
-            self.text[index] = (label, _ATOM)
+                self.text[index] = (expression, level)
         results = {
             port.name: tuple(self.text[node][0] for node in self.kernel.results[port.name])
             for port in self.kernel.outputs
         }
         return Body(tuple(self.lines), results, frozenset(self._inputs()))
+
+    def _stands_alone(self, index: int, node: Node, expression: str) -> bool:
+        """Whether a node gets a line of its own."""
+        if node.op in LEAVES:
+            return False
+        name = self.graph.names.get(index)
+        if node.op is Op.NEG and self.uses[index] == 1 and name is None:
+            return False
+        named = name is not None and name.text not in self.outputs
+        return named or self.uses[index] > 1 or len(expression) > LONGEST
+
+    def _label(self, index: int) -> str:
+        name = self.graph.names.get(index)
+        if name is not None:
+            return self._free(name.text + name.component)
+        self.counter += 1
+        return self._free(f"t{self.counter}")
+
+    def _partners(self) -> dict[int, int]:
+        """The cosine for each sine of the same angle, and the other way round."""
+        found: dict[tuple[Op, int], int] = {}
+        for index, node in self.graph:
+            if self.needed[index] and node.op in (Op.SIN, Op.COS):
+                found[node.op, node.args[0]] = index
+        partners = {}
+        for (op, argument), index in found.items():
+            other = found.get((Op.COS if op is Op.SIN else Op.SIN, argument))
+            if other is not None:
+                partners[index] = other
+        return partners
+
+    def _pair(self, index: int, other: int) -> None:
+        sine, cosine = (index, other) if self.graph.nodes[index].op is Op.SIN else (other, index)
+        labels = self._label(sine), self._label(cosine)
+        self.lines.append(Pair(*labels, self.text[self.graph.nodes[sine].args[0]][0]))
+        for node, label in zip((sine, cosine), labels, strict=True):
+            self.text[node] = (label, _ATOM)
 
     def _inputs(self) -> list[InputRef]:
         return [

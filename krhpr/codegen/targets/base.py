@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -51,6 +52,9 @@ def environment() -> jinja2.Environment:
         autoescape=False,  # the output is source code
     )
     env.filters["wrap"] = wrap
+    env.filters["literal"] = literal
+    env.filters["port_literal"] = port_literal
+    env.globals["zip"] = zip
     return env
 
 
@@ -65,6 +69,19 @@ def wrap(text: str, width: int = 100, prefix: str = "", first: str | None = None
     lines = textwrap.wrap(text, width - len(prefix), break_long_words=False, break_on_hyphens=False)
     start = prefix if first is None else first
     return "\n".join((start if i == 0 else prefix) + line for i, line in enumerate(lines or [""]))
+
+
+def literal(value: object) -> str:
+    """A Python literal, with strings in double quotes."""
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+
+
+def port_literal(port: Port) -> str:
+    """The arguments that make a port again in a generated module (`rt.Port(...)`)."""
+    labels = "(" + "".join(f"{literal(label)}, " for label in port.labels) + ")"
+    texts = (port.name, str(port.unit), str(port.frame), port.doc, str(port.layout))
+    name, unit, frame, doc, layout = (literal(text) for text in texts)
+    return f"{name}, {port.full_shape!r}, {unit}, {frame}, {doc}, {layout}, {labels}"
 
 
 def shape_text(shape: Sequence[int]) -> str:

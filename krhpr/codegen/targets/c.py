@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import prod
 
@@ -21,6 +22,7 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel, Layout, Port
 from krhpr.codegen.passes import Part
 from krhpr.codegen.printers.c import print_kernel
+from krhpr.codegen.printers.infix import Line, Pair
 from krhpr.codegen.targets.base import File, kernel_comment, port_text, render
 
 
@@ -32,7 +34,7 @@ class _KernelView:
     comment: str
     parameters: tuple[str, ...]
     unused: tuple[str, ...]
-    lines: tuple[tuple[str, str, str], ...]
+    lines: tuple[tuple[str, str], ...]
     stores: tuple[tuple[str, str], ...]
 
 
@@ -89,6 +91,7 @@ class CTarget:
 
     def shared(self) -> Iterable[File]:
         statuses = [(status.name, status.value, STATUS_DOC[status]) for status in Status]
+        yield File("c/krhpr_elementary.h", render("c/krhpr_elementary.h.j2"))
         yield File("c/krhpr.h", render("c/krhpr.h.j2", statuses=statuses))
 
     def part(self, part: Part) -> Iterable[File]:
@@ -132,7 +135,7 @@ def _kernel_view(part: str, kernel: Kernel) -> _KernelView:
         unused.insert(0, "g")
     if kernel.name == "prepare":
         parameters, unused = [f"krhpr_{part}_geometry *g"], []
-        body_lines = tuple((line.name, _fields_of_g(kernel, line.expression), line.note) for line in body.lines)
+        body_lines = tuple(_statement(line, lambda text: _fields_of_g(kernel, text)) for line in body.lines)
         stores = tuple(
             (f"g->{_element(port, index)}", _fields_of_g(kernel, text))
             for port in kernel.outputs
@@ -145,23 +148,29 @@ def _kernel_view(part: str, kernel: Kernel) -> _KernelView:
         for port in kernel.outputs
         for index, text in enumerate(body.results[port.name])
     )
-    lines = tuple((line.name, line.expression, line.note) for line in body.lines)
+    lines = tuple(_statement(line, str) for line in body.lines)
     return _KernelView(
         f"krhpr_{part}_{kernel.name}", kernel_comment(kernel), tuple(parameters), tuple(unused), lines, stores
     )
 
 
+def _statement(line: Line | Pair, rewrite: Callable[[str], str]) -> tuple[str, str]:
+    """A statement and the remark behind it."""
+    if isinstance(line, Pair):
+        names = f"double {line.sine}, {line.cosine};"
+        return f"{names} krhpr_sincos({rewrite(line.argument)}, &{line.sine}, &{line.cosine});", ""
+    return f"const double {line.name} = {rewrite(line.expression)};", line.note
+
+
 def _fields_of_g(kernel: Kernel, text: str) -> str:
     """`prepare` reads the geometry's own fields: scalar parameters become members."""
-    import re
-
     names = "|".join(sorted((re.escape(port.name) for port in kernel.inputs), key=len, reverse=True))
     return re.sub(rf"(?<![\w>.])({names})(?![\w\[])", r"g->\1", text)
 
 
 def _parameter(port: Port, *, output: bool = False) -> str:
     if output:
-        return f"double {port.name}[{port.size}]" if port.shape else f"double *{port.name}"
+        return f"double *KRHPR_RESTRICT {port.name}"
     return f"const double {port.name}[{port.size}]" if port.shape else f"double {port.name}"
 
 
@@ -204,10 +213,9 @@ def _default_geometry(robot: RobotCode) -> list[str]:
 
 
 def _full_parameter(port: Port, *, output: bool = False) -> str:
-    const = "" if output else "const "
-    if port.full_shape:
-        return f"{const}double {port.name}[{port.full_size}]"
-    return f"double *{port.name}" if output else f"double {port.name}"
+    if output:
+        return f"double *KRHPR_RESTRICT {port.name}"
+    return f"const double {port.name}[{port.full_size}]" if port.full_shape else f"double {port.name}"
 
 
 def _prototype(robot: RobotCode, function: RobotFunction) -> dict[str, object]:

@@ -1,0 +1,161 @@
+"""Evaluation of graphs and robot functions over any numbers: floats, exact rationals, balls, mpmath, symbols.
+
+This is what "the derivation" means when printed code is compared with it: formulas are evaluated node by node, without
+any printer.  Numbers need + - * / and unary minus; the rest comes from an `Arithmetic`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from krhpr.codegen.composition import RobotFunction, Stage
+from krhpr.codegen.graph import InputRef, Op
+from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, GeometryType, Kernel, Layout, Port
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """The functions that a kind of number offers, and how a rational constant becomes such a number."""
+
+    constant: Callable[[Fraction], Any]
+    functions: Mapping[Op, Callable[..., Any]]
+
+
+def _float_sqrt(x: float) -> float:
+    return math.sqrt(x) if x >= 0 else math.nan
+
+
+FLOAT = Arithmetic(
+    float,
+    {
+        Op.SQRT: _float_sqrt,
+        Op.SIN: math.sin,
+        Op.COS: math.cos,
+        Op.ATAN2: math.atan2,
+        Op.ABS: abs,
+        Op.MIN: lambda a, b: a if a < b else b,
+        Op.MAX: lambda a, b: a if a > b else b,
+    },
+)
+
+METHODS = Arithmetic(
+    lambda value: value,
+    {
+        Op.SQRT: lambda x: x.sqrt(),
+        Op.SIN: lambda x: x.sin(),
+        Op.COS: lambda x: x.cos(),
+        Op.ATAN2: lambda y, x: y.arctan2(x),
+        Op.ABS: abs,
+        Op.MIN: lambda a, b: a if a < b else b,
+        Op.MAX: lambda a, b: a if a > b else b,
+    },
+)
+"""Numbers that bring their own functions as methods."""
+
+_BASIC: Mapping[Op, Callable[..., Any]] = {
+    Op.ADD: lambda a, b: a + b,
+    Op.SUB: lambda a, b: a - b,
+    Op.MUL: lambda a, b: a * b,
+    Op.DIV: lambda a, b: a / b,
+    Op.NEG: lambda a: -a,
+}
+
+
+def evaluate_kernel(
+    kernel: Kernel,
+    inputs: Mapping[str, Sequence[Any]],
+    geometry: Mapping[str, Sequence[Any]] | None = None,
+    arithmetic: Arithmetic = FLOAT,
+) -> dict[str, list[Any]]:
+    """Outputs of a kernel by port, flat and row-major; `geometry` as `prepare_geometry` gives it."""
+    values: list[Any] = []
+    needed = kernel.graph.needed(kernel.result_nodes)
+    for index, node in kernel.graph:
+        if not needed[index]:
+            values.append(None)
+        elif isinstance(node.value, Fraction):
+            values.append(arithmetic.constant(node.value))
+        elif isinstance(node.value, InputRef):
+            values.append(_read(node.value, inputs, geometry))
+        else:
+            operation = _BASIC.get(node.op) or arithmetic.functions[node.op]
+            values.append(operation(*(values[a] for a in node.args)))
+    return {port.name: [values[node] for node in kernel.results[port.name]] for port in kernel.outputs}
+
+
+def _read(
+    ref: InputRef, inputs: Mapping[str, Sequence[Any]], geometry: Mapping[str, Sequence[Any]] | None
+) -> Any:
+    if ref.port.startswith(GEOMETRY_PREFIX):
+        assert geometry is not None, f"{ref.port} needs a geometry"
+        return geometry[ref.port.removeprefix(GEOMETRY_PREFIX)][ref.index]
+    return inputs[ref.port][ref.index]
+
+
+def prepare_geometry(
+    geometry: GeometryType, fields: Mapping[str, Any], arithmetic: Arithmetic = FLOAT
+) -> dict[str, list[Any]]:
+    """One leg's fields and prepared vectors, each as a flat list."""
+    own = {field.name: [fields[field.name]] for field in geometry.fields}
+    return {**own, **evaluate_kernel(geometry.prepare, own, None, arithmetic)}
+
+
+def evaluate_function(
+    function: RobotFunction,
+    kernel_of: Callable[[str, str], Kernel],
+    geometries: Mapping[str, Sequence[Mapping[str, Sequence[Any]]]],
+    inputs: Mapping[str, Sequence[Any]],
+    arithmetic: Arithmetic = FLOAT,
+) -> dict[str, list[Any]]:
+    """Outputs of a robot's function, flat and row-major in their full shape; guards are not applied.
+
+    `kernel_of(part, name)` gives the kernels (as derived, or optimised), `geometries[part][leg]` the prepared geometry.
+    """
+    values: dict[str, Any] = {}
+    for port in function.inputs:
+        flat = list(inputs[port.name])
+        values[port.name] = [flat[leg * port.size : (leg + 1) * port.size] for leg in range(LEGS)] if port.per_leg else flat
+    per_leg = {port.name: port.per_leg for port in function.inputs}
+    for call in function.calls:
+        kernel = kernel_of(call.part, call.kernel)
+        legs = range(LEGS) if call.stage is Stage.LEG else (None,)
+        found: dict[str, list[Any]] = {port.name: [] for port in kernel.outputs}
+        for leg in legs:
+            arguments = {}
+            for port in kernel.inputs:
+                name = call.variable_in(port.name)
+                if per_leg[name]:
+                    parts = values[name]
+                    arguments[port.name] = parts[leg] if leg is not None else [x for part in parts for x in part]
+                else:
+                    arguments[port.name] = values[name]
+            geometry = None
+            if kernel.geometry is not None:
+                geometry = geometries[call.part][leg or 0]
+            result = evaluate_kernel(kernel, arguments, geometry, arithmetic)
+            for name, flat in result.items():
+                found[name].append(flat)
+        for port in kernel.outputs:
+            name = call.variable_out(port.name)
+            per_leg[name] = call.stage is Stage.LEG
+            values[name] = found[port.name] if per_leg[name] else found[port.name][0]
+    zero = arithmetic.constant(Fraction(0))
+    return {port.name: _whole(port, values[port.name], zero) for port in function.outputs}
+
+
+def _whole(port: Port, value: Any, zero: Any) -> list[Any]:
+    if not port.per_leg:
+        return list(value)
+    if port.layout is not Layout.DIAGONAL:
+        return [x for part in value for x in part]
+    rows, columns = port.shape
+    whole = [zero] * port.full_size
+    for leg, block in enumerate(value):
+        for row in range(rows):
+            for column in range(columns):
+                whole[(leg * rows + row) * columns * LEGS + leg * columns + column] = block[row * columns + column]
+    return whole

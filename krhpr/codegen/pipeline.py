@@ -1,0 +1,74 @@
+"""The pipeline, in one place: catalogue -> derivation -> function graph -> passes -> targets -> files.
+
+    robots = derive()            # SymPy formulas, optimised kernels, functions
+    files = print_all(robots)    # C, NumPy and CasADi from the same kernels
+    changes = compare(files, folder)
+    write(files, folder)         # or only say what would change
+
+Every stage can be called alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+from krhpr.codegen.build import Parts, build
+from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.report import report_files
+from krhpr.codegen.targets.base import File, Target
+from krhpr.codegen.targets.c import CTarget
+from krhpr.codegen.targets.casadi import CasadiTarget
+from krhpr.codegen.targets.python import PythonTarget
+from krhpr.derivations.catalogue import Entry, catalogue
+
+TARGETS: tuple[Target, ...] = (CTarget(), PythonTarget(), CasadiTarget())
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Robots that are ready to print, with the parts that they share and the time each took."""
+
+    robots: tuple[RobotCode, ...]
+    parts: Parts
+    seconds: dict[str, float]
+
+
+def derive(entries: Sequence[Entry] | None = None, progress: Progress = lambda step: None) -> Derived:
+    """Derive and optimise robots (all of the catalogue unless given)."""
+    parts, robots, seconds = Parts(), [], {}
+    for entry in catalogue() if entries is None else entries:
+        progress(f"derive {entry.identifier}")
+        begin = perf_counter()
+        robots.append(build(entry, parts))
+        seconds[entry.identifier] = perf_counter() - begin
+    return Derived(tuple(robots), parts, seconds)
+
+
+def print_all(derived: Derived, progress: Progress = lambda step: None) -> list[File]:
+    """Every file of every target, sorted by path."""
+    files: list[File] = []
+    for target in TARGETS:
+        progress(f"print {target.name}")
+        files += target.shared()
+        for part in derived.parts:
+            files += target.part(part)
+        for robot in derived.robots:
+            begin = perf_counter()
+            files += target.robot(robot)
+            derived.seconds[robot.identifier] += perf_counter() - begin
+    progress("report")
+    files += report_files(derived.robots, derived.parts, files)
+    return sorted(_unique(files), key=lambda file: file.path)
+
+
+def _unique(files: Iterable[File]) -> list[File]:
+    found: dict[str, File] = {}
+    for file in files:
+        if file.path in found:
+            raise ValueError(f"two targets write {file.path}")
+        found[file.path] = file
+    return list(found.values())

@@ -1,0 +1,74 @@
+"""Files of `generated/` that tell about the others: packages, a README, the operation counts, the CMake project."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+
+from krhpr import __version__
+from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.kernel import LEGS
+from krhpr.codegen.passes import Part
+from krhpr.codegen.targets.base import File, render
+
+
+def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Sequence[File]) -> list[File]:
+    """Everything that is not printed from a kernel."""
+    identifiers = [robot.identifier for robot in robots]
+    rows = summary(robots, printed)
+    return [
+        File("__init__.py", render("python/package.py.j2", identifiers=identifiers, version=__version__)),
+        File("python/__init__.py", render("python/targets_package.py.j2", what="NumPy modules")),
+        File("casadi/__init__.py", render("python/targets_package.py.j2", what="CasADi modules")),
+        File("c/CMakeLists.txt", render("c/CMakeLists.txt.j2", identifiers=identifiers, version=__version__)),
+        File("operations.json", _operations(robots, parts)),
+        File("README.md", render("README.md.j2", rows=rows, robots=robots)),
+    ]
+
+
+def summary(robots: Sequence[RobotCode], printed: Sequence[File]) -> list[dict[str, object]]:
+    """One row per robot: functions, operations as written and after the passes, lines of its own files."""
+    lines = {file.path: file.text.count("\n") for file in printed}
+    rows = []
+    for robot in robots:
+        functions = [function for function in robot.functions if function.calls]
+        own = [path for path in lines if path.rsplit("/", 1)[-1].split(".")[0] in _stems(robot)]
+        rows.append(
+            {
+                "robot": robot.identifier,
+                "notation": robot.notation,
+                "functions": len(robot.functions),
+                "written": sum(robot.written(function) for function in functions),
+                "operations": sum(robot.operations(function).total for function in functions),
+                "lines": sum(lines[path] for path in own),
+            }
+        )
+    return rows
+
+
+def _stems(robot: RobotCode) -> set[str]:
+    return {robot.identifier, f"krhpr_{robot.identifier}"}
+
+
+def _operations(robots: Sequence[RobotCode], parts: Iterable[Part]) -> str:
+    """Operation counts of every kernel and every function, as JSON."""
+    kernels = {}
+    for part in sorted(parts, key=lambda part: part.name):
+        for kernel in part.kernels:
+            kernels[f"{part.name}.{kernel.name}"] = {
+                "written": part.written[kernel.name],
+                "total": kernel.operations.total,
+                **kernel.operations.as_dict(),
+            }
+    functions = {}
+    for robot in robots:
+        for function in robot.functions:
+            if function.calls:
+                count = robot.operations(function)
+                functions[f"{robot.identifier}.{function.name}"] = {
+                    "written": robot.written(function),
+                    "total": count.total,
+                    **count.as_dict(),
+                }
+    about = f"Operations of one call.  written: in the formulas as derived; leg kernels count {LEGS} times in a function."
+    return json.dumps({"about": about, "kernels": kernels, "functions": functions}, indent=1) + "\n"

@@ -1,0 +1,78 @@
+"""The CasADi target: modules that build casadi.Function from the same kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
+from krhpr.codegen.kernel import LEGS
+from krhpr.codegen.passes import Part
+from krhpr.codegen.printers.python import CASADI
+from krhpr.codegen.targets.base import File, render
+from krhpr.codegen.targets.python import part_context
+
+
+class CasadiTarget:
+    """Prints CasADi modules."""
+
+    name = "casadi"
+
+    def shared(self) -> Iterable[File]:
+        yield File("casadi/runtime.py", render("casadi/runtime.py.j2"))
+
+    def part(self, part: Part) -> Iterable[File]:
+        context = part_context(part, CASADI)
+        yield File(f"casadi/{part.name}.py", render("python/part.py.j2", library="casadi as ca", **context))
+
+    def robot(self, robot: RobotCode) -> Iterable[File]:
+        assert robot.subleg.geometry is not None and robot.platform.geometry is not None
+        fields = [field.name for field in (*robot.subleg.geometry.fields, *robot.platform.geometry.fields)]
+        text = render(
+            "casadi/robot.py.j2",
+            robot=robot,
+            functions=[_function(robot, function) for function in robot.functions if function.calls],
+            default_geometry=[
+                ", ".join(repr(robot.default_geometry[name][leg]) for name in fields) for leg in range(LEGS)
+            ],
+        )
+        yield File(f"casadi/{robot.identifier}.py", text)
+
+
+def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
+    known = variables(function, robot.parts)
+    read_later = {
+        call.variable_in(port.name)
+        for call in function.stage(Stage.PLATFORM)
+        for port in robot.parts[call.part].kernel(call.kernel).inputs
+    }
+    collected = [
+        variable.name
+        for variable in known.values()
+        if variable.kind != "input" and variable.per_leg and (variable.kind == "output" or variable.name in read_later)
+    ]
+    return {
+        "name": function.name,
+        "doc": function.doc,
+        "inputs": function.inputs,
+        "outputs": function.outputs,
+        "collected": collected,
+        "shared_calls": [_call(robot, call, known) for call in function.stage(Stage.SHARED)],
+        "leg_calls": [_call(robot, call, known) for call in function.stage(Stage.LEG)],
+        "platform_calls": [_call(robot, call, known) for call in function.stage(Stage.PLATFORM)],
+    }
+
+
+def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable]) -> str:
+    kernel = robot.parts[call.part].kernel(call.kernel)
+    leg = call.stage is Stage.LEG
+    arguments = [f"{call.part}.prepare(fields)"] if kernel.geometry is not None else []
+    for port in kernel.inputs:
+        variable = known[call.variable_in(port.name)]
+        if variable.kind == "input":
+            arguments.append(f'call.leg("{variable.name}", i)' if leg else f'call.whole("{variable.name}")')
+        else:
+            arguments.append(f"{variable.name}_i" if leg and variable.per_leg else variable.name)
+    suffix = "_i" if leg else ""
+    names = [call.variable_out(port.name) + suffix for port in kernel.outputs]
+    return f"{', '.join(names)} = {call.part}.{kernel.name}({', '.join(arguments)})"

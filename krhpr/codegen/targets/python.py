@@ -1,0 +1,150 @@
+"""The NumPy target: modules of components that need nothing but NumPy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from krhpr.codegen.composition import (
+    STATUS_DOC,
+    Call,
+    Guard,
+    Relation,
+    RobotCode,
+    RobotFunction,
+    Stage,
+    Status,
+    Variable,
+    variables,
+)
+from krhpr.codegen.graph import Op
+from krhpr.codegen.kernel import Kernel, Port
+from krhpr.codegen.passes import Part
+from krhpr.codegen.printers.python import NUMPY, component, print_kernel
+from krhpr.codegen.targets.base import File, kernel_comment, port_text, render
+
+
+class PythonTarget:
+    """Prints NumPy modules."""
+
+    name = "python"
+
+    def shared(self) -> Iterable[File]:
+        statuses = [(status.name, status.value, STATUS_DOC[status]) for status in Status]
+        yield File("python/runtime.py", render("python/runtime.py.j2", statuses=statuses))
+
+    def part(self, part: Part) -> Iterable[File]:
+        context = part_context(part, NUMPY)
+        yield File(f"python/{part.name}.py", render("python/part.py.j2", library="numpy as np", **context))
+
+    def robot(self, robot: RobotCode) -> Iterable[File]:
+        functions = [_function(robot, function) for function in robot.functions]
+        default_mode = label_of(robot.default_mode, robot.mode_signs, robot.mode_labels)
+        default_assembly = label_of(robot.default_assembly, robot.assembly_signs, robot.assembly_labels)
+        text = render(
+            "python/robot.py.j2",
+            robot=robot,
+            functions=functions,
+            default_mode=default_mode,
+            default_assembly=default_assembly,
+        )
+        yield File(f"python/{robot.identifier}.py", text)
+
+
+def label_of(signs: tuple[float, ...], all_signs: Iterable[tuple[int, ...]], labels: Iterable[str]) -> str:
+    """The label of a branch."""
+    return next(label for label, entry in zip(labels, all_signs, strict=True) if tuple(entry) == tuple(signs))
+
+
+def part_context(part: Part, functions: Mapping[Op, str]) -> dict[str, Any]:
+    """A part as the template `part.py.j2` sees it."""
+    prepare = None
+    if part.geometry is not None:
+        body = print_kernel(part.geometry.prepare, functions)
+        prepare = {
+            "inputs_used": sorted({ref.port for ref in body.inputs_used}),
+            "lines": [(line.name, line.expression, line.note) for line in body.lines],
+            "results": list(body.results.items()),
+        }
+    return {"part": part, "prepare": prepare, "kernels": [_kernel(kernel, functions) for kernel in part.kernels]}
+
+
+def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
+    body = print_kernel(kernel, functions)
+    used = {ref.port for ref in body.inputs_used}
+    parameters = ["g: Any"] if kernel.geometry is not None else []
+    unpack = []
+    for port in kernel.inputs:
+        parameters.append(f"{port.name}: Any")
+        if port.name in used:
+            names = [component(port.name, index, port.shape) for index in range(port.size)]
+            unpack.append((", ".join(names) + ("," if len(names) == 1 else ""), port.name))
+    return {
+        "name": kernel.name,
+        "comment": kernel_comment(kernel),
+        "parameters": parameters,
+        "returns": "tuple[Any, ...]",
+        "unpack": unpack,
+        "lines": [(line.name, line.expression, line.note) for line in body.lines],
+        "results": list(body.results.items()),
+    }
+
+
+def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
+    known = variables(function, robot.parts) if function.calls else {}
+    optional = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]"}
+    present = [port.name for port in function.inputs if port.name in optional]
+    return {
+        "name": function.name,
+        "class_name": "".join(word.capitalize() for word in function.name.split("_")),
+        "doc": function.doc,
+        "equations": function.equations,
+        "inputs": function.inputs,
+        "outputs": function.outputs,
+        "gufunc": function.signature,
+        "parameters": [f"{port.name}: Any" + (" = None" if port.name in optional else "") for port in function.inputs],
+        "names": [port.name for port in function.inputs],
+        "pose": [port.name for port in function.inputs[:2]],
+        "optional": [(name, f"({optional[name]},) * 3") for name in present],
+        "procedure": not function.calls,
+        "input_docs": [python_port(port) + (", the default unless given" if port.name in optional else "") for port in function.inputs],
+        "output_docs": [python_port(port) for port in function.outputs],
+        "calls": [_call(robot, call, known) for call in function.calls],
+        "guards": [_guard(guard, known) for guard in function.guards],
+    }
+
+
+def python_port(port: Port) -> str:
+    """`theta (..., 3, 3) [rad]: actuated joints`."""
+    text = port_text(port, full=True)
+    head, _, tail = text.partition(": ")
+    name = head.split(" ")[0]
+    shape = ", ".join(["...", *map(str, port.full_shape)])
+    unit = f" [{port.unit}]" if port.unit != "1" else ""
+    frame = f" in the {port.frame} frame" if port.frame in ("base", "platform") else ""
+    return f"{name} ({shape}){unit}{frame}: {tail}"
+
+
+def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable]) -> str:
+    kernel = robot.parts[call.part].kernel(call.kernel)
+    arguments = [f"g.{call.part}"] if kernel.geometry is not None else []
+    for port in kernel.inputs:
+        arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
+    names = [call.variable_out(port.name) for port in kernel.outputs]
+    return f"{', '.join(names)} = {call.part}.{kernel.name}({', '.join(arguments)})"
+
+
+def _argument(variable: Variable, stage: Stage) -> str:
+    if variable.kind == "input":
+        return f'arguments.{"leg" if stage is Stage.LEG else "whole"}("{variable.name}")'
+    if stage is Stage.PLATFORM and variable.per_leg:
+        return f"rt.legs({variable.name})"
+    if stage is Stage.LEG and not variable.per_leg:
+        return f"rt.shared({variable.name})"
+    return variable.name
+
+
+def _guard(guard: Guard, known: Mapping[str, Variable]) -> str:
+    at_least = guard.relation is Relation.AT_LEAST
+    per_leg = known[guard.variable].per_leg
+    return f"{guard.variable}[{guard.index}], {at_least}, {guard.limit!r}, Status.{guard.status.name}, {per_leg}"
