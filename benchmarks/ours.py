@@ -35,6 +35,7 @@ def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
     if workload.key == "w5":
         robot = replace(robot, default_geometry={**robot.default_geometry, "l_3": (sizes.HYBRID.l3,) * 3})
     robot = replace(robot, functions=(_function(robot, workload.key),))
+    folder = folder / f"ours_{workload.key}"
     folder.mkdir(parents=True, exist_ok=True)
     target = CTarget()
     for file in (*target.shared(), *(f for part in parts for f in target.part(part)), *target.robot(robot)):
@@ -64,8 +65,9 @@ def _function(robot: RobotCode, key: str) -> RobotFunction:
         return replace(robot.function("subleg_jacobian"), name="w5")
     blocks = robot.function("jacobian_blocks")
     inputs = tuple(port for port in blocks.inputs if port.name != "s")
-    forward = Call(Stage.LEG, "subleg", "forward", {}, {})
-    return replace(blocks, name="w1", inputs=inputs, calls=(forward, *blocks.calls))
+    forward = Call(Stage.LEG, "subleg", "forward_posture", {}, {})
+    rest = tuple(call for call in blocks.calls if call.kernel != "posture")
+    return replace(blocks, name="w1", inputs=inputs, calls=(forward, *rest))
 
 
 def python_contenders(workload: Workload) -> list[PythonContender] | Missing:

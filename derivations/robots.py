@@ -105,6 +105,10 @@ class _Functions:
     def _on_leg(part: str, kernel: str, outputs: dict[str, str] | None = None, **inputs: str) -> Call:
         return Call(Stage.LEG, part, kernel, inputs, outputs or {})
 
+    def _posture(self) -> Call:
+        """Sines and cosines of the leg's joints and its vectors, for the kernels that follow."""
+        return self._on_leg("subleg", "posture")
+
     def _parallel_guard(self) -> tuple[Guard, ...]:
         """A sub-leg with a closed loop has configurations in which M_i does not exist."""
         if not self.robot.subleg.has_parallel_factors():
@@ -236,7 +240,7 @@ class _Functions:
             "(1.16), (2.15)",
             (self.leg.s, self.leg.theta),
             (self.leg.M,),
-            (self._on_leg("subleg", "jacobian"),),
+            (self._posture(), self._on_leg("subleg", "jacobian")),
             self._parallel_guard(),
         )
 
@@ -255,13 +259,14 @@ class _Functions:
             "(1.30) to (1.32), (2.7), (2.28), (2.29)",
             (*self.pose, self.leg.s, self.leg.theta),
             (self.plate.J, K),
-            (self._on_leg("platform", "rows"), self._on_leg("subleg", "project")),
+            (self._on_leg("platform", "rows"), self._posture(), self._on_leg("subleg", "project")),
             self._parallel_guard(),
         )
 
     def _twist(self) -> RobotFunction:
         calls = (
             self._on_leg("platform", "line"),
+            self._posture(),
             self._on_leg("subleg", "velocity"),
             self._on_leg("algebra", "rate"),
             Call(Stage.PLATFORM, "platform", "solve", {}, {"regularity": "det_regularity"}),
@@ -283,7 +288,7 @@ class _Functions:
             "(1.30), (1.9)",
             (*self.pose, self.leg.s, self.leg.theta, self.plate.twist, self.plate.redundant_rate),
             (self.leg.theta_dot,),
-            (self._on_leg("platform", "end_velocity"), self._on_leg("subleg", "rates")),
+            (self._on_leg("platform", "end_velocity"), self._posture(), self._on_leg("subleg", "rates")),
             (self._serial_guard(),),
         )
 
@@ -294,6 +299,7 @@ class _Functions:
         calls = (
             self._on_leg("platform", "line"),
             self._on_leg("subleg", "bias"),
+            self._posture(),
             self._on_leg("subleg", "velocity", {"s_dot": "along", "regularity": "regularity"}, theta_dot="theta_ddot"),
             self._on_leg("algebra", "sum"),
             self._on_leg("platform", "row_bias", {"bias": "row_bias"}),
@@ -315,6 +321,7 @@ class _Functions:
             self._on_leg("platform", "end_acceleration"),
             self._on_leg("subleg", "bias", {"s_dot": "s_dot_again"}),
             self._on_leg("algebra", "difference"),
+            self._posture(),
             self._on_leg("subleg", "rates", {"theta_dot": "theta_ddot"}, s_dot="along"),
         )
         return self._function(
@@ -364,6 +371,7 @@ class _Functions:
             (*self.pose, self.leg.s, self.leg.theta),
             tuple(outputs),
             (
+                self._posture(),
                 self._on_leg("subleg", "passive"),
                 self._on_leg("platform", "joint"),
                 self._on_leg("algebra", "wrist"),
@@ -376,6 +384,7 @@ class _Functions:
         factors = replace(self.leg.factors(len(names)), labels=tuple(name for name, _ in names), doc=f"factors of det M_i ({doc})")
         type_1 = Port("type_1", (), Unit.MIXED, Frame.NONE, "det M_i", Layout.STACKED)
         calls = (
+            self._posture(),
             self._on_leg("subleg", "determinant", {"det_M": "type_1"}),
             self._on_leg("platform", "line"),
             Call(Stage.PLATFORM, "platform", "type_2", {}, {}),

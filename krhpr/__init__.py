@@ -8,4 +8,65 @@
 Using the generated functions needs NumPy alone; deriving and printing them needs the extra `generate`.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from krhpr.errors import (
+        GeneratedMismatch,
+        InvalidInput,
+        KrhprError,
+        Singular,
+        UnknownBranch,
+        UnknownRobot,
+        Unreachable,
+    )
+    from krhpr.generated.python.runtime import Geometry, Status
+    from krhpr.loading import catalogue, load
+    from krhpr.robot import Robot
+
+# found on first use, so that generating works while generated/ is empty or of another version
+_HOME = {
+    "GeneratedMismatch": "krhpr.errors",
+    "Geometry": "krhpr.generated.python.runtime",
+    "InvalidInput": "krhpr.errors",
+    "KrhprError": "krhpr.errors",
+    "Robot": "krhpr.robot",
+    "Singular": "krhpr.errors",
+    "Status": "krhpr.generated.python.runtime",
+    "UnknownBranch": "krhpr.errors",
+    "UnknownRobot": "krhpr.errors",
+    "Unreachable": "krhpr.errors",
+    "catalogue": "krhpr.loading",
+    "load": "krhpr.loading",
+}
+
+__all__ = [
+    "GeneratedMismatch",
+    "Geometry",
+    "InvalidInput",
+    "KrhprError",
+    "Robot",
+    "Singular",
+    "Status",
+    "UnknownBranch",
+    "UnknownRobot",
+    "Unreachable",
+    "__version__",
+    "catalogue",
+    "load",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOME})

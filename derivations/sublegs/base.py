@@ -1,11 +1,13 @@
 """What a sub-leg is: the interface that one file per sub-leg implements.
 
-A sub-leg carries the end point S_i (r_i in the plane).  Its file states five things, and everything else (the Jacobian
+A sub-leg carries the end point S_i (r_i in the plane).  Its file states six things, and everything else (the Jacobian
 M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them here, on the graph:
 
 * `geometry`: the lengths that a person sets and the vectors prepared from them;
 * `forward`: actuated joints and assembly mode -> end point;
 * `inverse`: end point and the signs of a working mode -> actuated joints;
+* `posture`: the vectors of the leg that velocities depend on (x, e_2, u_1, ...), from a consistent pair (s, theta), so
+  that sines and cosines are computed once however many kernels follow;
 * `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F of the leg, as (1.9), with
   the dimensionless factors whose zeros are the leg's singularities;
 * `passive`: passive joint angles and the direction of the link that carries the end point.
@@ -19,6 +21,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import sympy as sp
@@ -128,6 +131,19 @@ class Passive:
     link: sp.Matrix
 
 
+Posture = dict[str, Any]
+"""Values of a posture by port name."""
+
+
+@dataclass(frozen=True)
+class Forward:
+    """What the forward kinematics of a sub-leg finds; `radicand` must not be negative (None for open chains)."""
+
+    s: sp.Matrix
+    posture: Posture
+    radicand: Any = None
+
+
 class SubLeg(ABC):
     """One type of sub-leg.  Subclasses state the formulas; kernels are derived from them."""
 
@@ -151,8 +167,8 @@ class SubLeg(ABC):
         """Fields and prepared vectors of one leg."""
 
     @abstractmethod
-    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> tuple[sp.Matrix, list[Any]]:
-        """The end point s_i and the radicands that must not be negative; `assembly` has a sign for each `forward_signs`."""
+    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
+        """End point and posture from the actuated joints; `assembly` has a sign for each of `forward_signs`."""
 
     @abstractmethod
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
@@ -163,12 +179,20 @@ class SubLeg(ABC):
         """By how much s_i lies outside the leg's reach in the branch `mode` (a length; zero or negative within)."""
 
     @abstractmethod
-    def velocity(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> VelocityEquations:
-        """The velocity equations at a consistent pair (s, theta)."""
+    def posture_ports(self) -> tuple[Port, ...]:
+        """Names, shapes and meanings of the posture's vectors."""
 
     @abstractmethod
-    def passive(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Passive:
-        """Passive joint coordinates at a consistent pair (s, theta)."""
+    def posture(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Posture:
+        """The posture at a consistent pair (s, theta): a value for each of `posture_ports`."""
+
+    @abstractmethod
+    def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
+        """The velocity equations at a posture (`at.x`, `at.e_2`, ...)."""
+
+    @abstractmethod
+    def passive(self, k: KernelWriter, at: SimpleNamespace) -> Passive:
+        """Passive joint coordinates at a posture."""
 
     @abstractmethod
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
@@ -195,16 +219,17 @@ class SubLeg(ABC):
         """Every kernel of the sub-leg, in the order in which it is printed."""
         geometry, ports = self.geometry(), self.ports()
         inverse = self._inverse(geometry, ports)
-        velocity = self._velocity(geometry, ports)
         return (
             self._forward(geometry, ports),
+            self._forward(geometry, ports, posture=True),
             inverse,
             self._inverse_all(geometry, ports, inverse),
             self._reach(geometry, ports),
+            self._posture(geometry, ports),
             self._jacobian(geometry, ports),
             self._project(geometry, ports),
-            velocity,
-            self._bias(geometry, ports, velocity),
+            self._velocity(geometry, ports),
+            self._bias(geometry, ports),
             self._rates(geometry, ports),
             self._determinant(geometry, ports),
             self._passive(geometry, ports),
@@ -218,15 +243,35 @@ class SubLeg(ABC):
         k.output("residual", residual)
         return k.kernel()
 
-    def _forward(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
-        k = KernelWriter("forward", f"End point of the {self.notation} sub-leg from its actuated joints.", "3.5", geometry)
+    def _forward(self, geometry: GeometryType, ports: SubLegPorts, *, posture: bool = False) -> Kernel:
+        name, more = ("forward_posture", " and posture") if posture else ("forward", "")
+        doc = f"End point{more} of the {self.notation} sub-leg from its actuated joints."
+        k = KernelWriter(name, doc, "3.5", geometry)
         theta = k.add_input(ports.theta)
         assembly = k.add_input(ports.assembly) if self.forward_signs else sp.Matrix(0, 1, [])
-        s, radicands = self.forward(k, theta, assembly)
-        k.add_output(ports.s, s)
-        if radicands:
-            k.output("radicand", radicands[0], doc="not negative where the loop closes")
+        found = self.forward(k, theta, assembly)
+        k.add_output(ports.s, found.s)
+        if posture:
+            for port in self.posture_ports():
+                k.add_output(port, found.posture[port.name])
+        if found.radicand is not None:
+            k.output("radicand", found.radicand, doc="not negative where the loop closes")
         return k.kernel()
+
+    def _posture(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
+        doc = f"Posture of the {self.notation} sub-leg: the vectors that its velocity equations are made of."
+        k = KernelWriter("posture", doc, self.equations, geometry)
+        found = self.posture(k, k.add_input(ports.s), k.add_input(ports.theta))
+        for port in self.posture_ports():
+            k.add_output(port, found[port.name])
+        return k.kernel()
+
+    def _at(self, k: KernelWriter) -> SimpleNamespace:
+        """The posture as inputs of a kernel."""
+        return SimpleNamespace(**{port.name: k.add_input(port) for port in self.posture_ports()})
+
+    def _end(self, k: KernelWriter) -> Kernel:
+        return k.kernel(prune=[port.name for port in self.posture_ports()])
 
     def _inverse(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
@@ -267,11 +312,11 @@ class SubLeg(ABC):
 
     def _jacobian(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter("jacobian", f"Jacobian M_i of the {self.notation} sub-leg, s_dot = M theta_dot.", "(1.16), (2.15)", geometry)
-        equations = self.velocity(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, self._at(k))
         local = k.let("m", _solve_columns(equations.A, equations.B), "A^-1 B in the leg's frame")
         k.add_output(ports.M, equations.F * local)
         self._regularity(k, equations.parallel)
-        return k.kernel()
+        return self._end(k)
 
     def _project(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
@@ -280,24 +325,24 @@ class SubLeg(ABC):
             "(1.8), (1.28)",
             geometry,
         )
-        equations = self.velocity(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, self._at(k))
         rows = k.add_input(ports.N)
         local = k.let("m", _solve_columns(equations.A, equations.B), "A^-1 B in the leg's frame")
         turned = k.let("n", rows * equations.F, "N in the leg's frame")
         k.add_output(ports.K, turned * local)
         self._regularity(k, equations.parallel)
-        return k.kernel()
+        return self._end(k)
 
     def _velocity(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter("velocity", f"Velocity of the end point of the {self.notation} sub-leg, M theta_dot.", "(1.9)", geometry)
-        equations = self.velocity(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, self._at(k))
         right = k.let("w", equations.B * k.add_input(ports.theta_dot), "B theta_dot")
         local = k.let("v", solve_structured(equations.A, right), "velocity in the leg's frame")
         k.add_output(ports.s_dot, equations.F * local)
         self._regularity(k, equations.parallel)
-        return k.kernel()
+        return self._end(k)
 
-    def _bias(self, geometry: GeometryType, ports: SubLegPorts, velocity: Kernel) -> Kernel:
+    def _bias(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
             "bias",
             f"Velocity of the end point of the {self.notation} sub-leg and the part of its acceleration that does not depend "
@@ -305,12 +350,22 @@ class SubLeg(ABC):
             "",
             geometry,
         )
+        velocity = self._velocity_from_joints(geometry, ports)
         s, theta, theta_dot = (k.add_input(port) for port in (ports.s, ports.theta, ports.theta_dot))
         arguments = {"s": s, "theta": theta, "theta_dot": theta_dot}
         s_dot = k.call(velocity, **arguments).s_dot
         value, rate = k.call_tangent(velocity, "s_dot", arguments, {"s": s_dot, "theta": theta_dot})
         k.add_output(ports.s_dot, value)
         k.add_output(ports.bias, rate)
+        return k.kernel()
+
+    def _velocity_from_joints(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
+        """s_dot as a function of s, theta and theta_dot, to be differentiated."""
+        k = KernelWriter("velocity_from_joints", "M theta_dot.", geometry=geometry)
+        found = self.posture(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, SimpleNamespace(**found))
+        local = solve_structured(equations.A, equations.B * k.add_input(ports.theta_dot))
+        k.add_output(ports.s_dot, equations.F * local)
         return k.kernel()
 
     def _rates(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
@@ -321,33 +376,33 @@ class SubLeg(ABC):
             "(1.9)",
             geometry,
         )
-        equations = self.velocity(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, self._at(k))
         local = k.let("v", equations.F.T * k.add_input(ports.s_dot), "velocity in the leg's frame")
         right = k.let("w", equations.A * local, "A s_dot")
         k.add_output(ports.theta_dot, solve_structured(equations.B, right))
         self._regularity(k, equations.serial)
-        return k.kernel()
+        return self._end(k)
 
     def _determinant(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         names = ", ".join(name for name, _ in self.factor_names())
         k = KernelWriter(
             "determinant", f"det M_i of the {self.notation} sub-leg and its dimensionless factors: {names}.", "1.4", geometry
         )
-        equations = self.velocity(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, self._at(k))
         k.output("det_M", equations.determinant, Unit.MIXED, doc="det M_i")
         factors = [factor.value for factor in (*equations.serial, *equations.parallel)]
         k.add_output(ports.factors(len(factors)), factors)
-        return k.kernel()
+        return self._end(k)
 
     def _passive(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
             "passive", f"Passive joints of the {self.notation} sub-leg and the orientation of its last link.", "", geometry
         )
-        found = self.passive(k, k.add_input(ports.s), k.add_input(ports.theta))
+        found = self.passive(k, self._at(k))
         if found.angles:
             k.add_output(ports.passive, [value for _, value in found.angles])
         k.add_output(ports.link, found.link)
-        return k.kernel()
+        return self._end(k)
 
     def has_parallel_factors(self) -> bool:
         """Whether the sub-leg has a closed loop, and with it configurations in which M_i does not exist."""
@@ -355,9 +410,8 @@ class SubLeg(ABC):
 
     def factor_names(self) -> list[tuple[str, str]]:
         """Names and meanings of the leg's singular factors, serial ones first."""
-        ports = self.ports()
         k = KernelWriter("names", "", geometry=self.geometry())
-        equations = self.velocity(k, k.add_input(ports.s), k.add_input(ports.theta))
+        equations = self.velocity(k, self._at(k))
         return [(factor.name, factor.doc) for factor in (*equations.serial, *equations.parallel)]
 
     def _regularity(self, k: KernelWriter, factors: tuple[Factor, ...]) -> None:

@@ -8,11 +8,12 @@ plane is L (x cos t + e_1 sin t), and e_2 x x = e_1, e_2 x e_1 = -x, e_1 x e_2 =
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Factor, Sign
 from krhpr.derivations.vectors import cross, dot
@@ -23,6 +24,13 @@ AXIS_FIELDS = (
     GeometryField("alpha", Unit.RADIAN, "first axis, from the ray base joint -> O; more than pi/2 leans outwards"),
     GeometryField("l_1", Unit.METRE, "link i1, along the first axis"),
 )
+
+FRAME_PORTS = (
+    Port("x", (3,), Unit.NONE, Frame.BASE, "Rot(e_1, theta_1) e_x", Layout.STACKED),
+    Port("e_2", (3,), Unit.NONE, Frame.BASE, "Rot(e_1, theta_1) e_t", Layout.STACKED),
+    Port("d", (2,), Unit.METRE, Frame.JOINT, "s - c in the linkage plane (x, e_1)", Layout.STACKED),
+)
+"""Posture of every sub-leg with a first axis."""
 
 SHOULDER = Sign("shoulder", "front", "back", "side of the first axis on which the linkage plane's x points to S_i")
 
@@ -51,10 +59,15 @@ def linkage_frame(k: KernelWriter, theta_1: Any) -> tuple[sp.Matrix, sp.Matrix]:
     return x, e_2
 
 
-def plane_coordinates(k: KernelWriter, s: sp.Matrix, x: sp.Matrix) -> tuple[Any, Any]:
-    """Coordinates (r, y) of S_i in the linkage plane: s - c = r x + y e_1."""
-    d = k.let("d", s - k.g.c, "s - c")
-    return k.let("r", dot(d, x)), k.let("y", dot(d, k.g.e_1))
+def plane_coordinates(k: KernelWriter, s: sp.Matrix, x: sp.Matrix) -> sp.Matrix:
+    """Coordinates d = (r, y) of S_i in the linkage plane: s - c = r x + y e_1."""
+    arm = k.let("arm", s - k.g.c, "s - c")
+    return k.let("d", sp.Matrix([dot(arm, x), dot(arm, k.g.e_1)]), "s - c in the plane (x, e_1)")
+
+
+def in_plane(angle: Any) -> sp.Matrix:
+    """The direction at an angle in the linkage plane (x, e_1)."""
+    return sp.Matrix([sp.cos(angle), sp.sin(angle)])
 
 
 def shoulder(k: KernelWriter, s: sp.Matrix, sign: Any) -> tuple[Any, Any, Any]:
@@ -70,10 +83,17 @@ def shoulder(k: KernelWriter, s: sp.Matrix, sign: Any) -> tuple[Any, Any, Any]:
     return theta_1, r, y
 
 
-def place(k: KernelWriter, theta_1: Any, r: Any, y: Any) -> sp.Matrix:
+def place(k: KernelWriter, x: sp.Matrix, r: Any, y: Any) -> sp.Matrix:
     """The point c + r x + y e_1."""
-    x = k.let("x", sp.cos(theta_1) * k.g.e_x - sp.sin(theta_1) * k.g.e_t, "Rot(e_1, theta_1) e_x")
     return k.g.c + r * x + y * k.g.e_1
+
+
+def link_frame(k: KernelWriter, at: SimpleNamespace, direction: sp.Matrix) -> sp.Matrix:
+    """Orientation of a link in the linkage plane: along it, e_2 x along, e_2."""
+    u = k.let("dir", direction, "direction of the link in (x, e_1)")
+    along = k.let("along", u[0] * at.x + u[1] * k.g.e_1)
+    across = k.let("across", u[0] * k.g.e_1 - u[1] * at.x, "e_2 x along")
+    return sp.Matrix.hstack(along, across, at.e_2)
 
 
 def shoulder_factor(r: Any, longest: Any) -> Factor:

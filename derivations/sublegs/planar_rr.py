@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Factor, Joint, JointKind, Passive, Sign, Space, SubLeg, VelocityEquations
+from krhpr.derivations.sublegs.base import (
+    Factor,
+    Forward,
+    Joint,
+    JointKind,
+    Passive,
+    Posture,
+    Sign,
+    Space,
+    SubLeg,
+    VelocityEquations,
+)
+from krhpr.derivations.sublegs.first_axis import in_plane
 from krhpr.derivations.sublegs.two_link import outside, two_link
 from krhpr.derivations.vectors import E, cross2, dot
 
@@ -41,11 +54,10 @@ class RR(SubLeg):
         k.output("o", radius * sp.Matrix([sp.cos(azimuth), sp.sin(azimuth)]), Unit.METRE, Frame.BASE, "base joint")
         return GeometryType("subleg_planar_rr", self.doc, fields, k.kernel())
 
-    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> tuple[sp.Matrix, list[Any]]:
-        t_12 = theta[0] + theta[1]
-        inner = sp.Matrix([sp.cos(theta[0]), sp.sin(theta[0])])
-        outer = sp.Matrix([sp.cos(t_12), sp.sin(t_12)])
-        return k.g.o + k.g.l_1 * inner + k.g.l_2 * outer, []
+    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
+        u_2 = k.let("u_2", k.g.l_2 * in_plane(theta[0] + theta[1]), "second link")
+        d = k.let("d", k.g.l_1 * in_plane(theta[0]) + u_2, "r - o")
+        return Forward(k.g.o + d, {"d": d, "u_2": u_2})
 
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
         d = k.let("d", s - k.g.o, "r - o")
@@ -56,23 +68,29 @@ class RR(SubLeg):
         d = k.let("d", s - k.g.o)
         return outside(k, k.let("distance", sp.sqrt(dot(d, d))), k.g.l_1, k.g.l_2)
 
-    def velocity(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> VelocityEquations:
-        # M = [E (r - o), E (r - elbow)]
+    def posture_ports(self) -> tuple[Port, ...]:
+        return (
+            Port("d", (2,), Unit.METRE, Frame.BASE, "r - o", Layout.STACKED),
+            Port("u_2", (2,), Unit.METRE, Frame.BASE, "second link", Layout.STACKED),
+        )
+
+    def posture(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Posture:
         d = k.let("d", s - k.g.o, "r - o")
-        inner = k.let("u_1", k.g.l_1 * sp.Matrix([sp.cos(theta[0]), sp.sin(theta[0])]), "first link")
-        outer = k.let("u_2", d - inner, "second link")
-        determinant = k.let("det", cross2(inner, outer), "l_1 l_2 sin(theta_2)")
+        return {"d": d, "u_2": k.let("u_2", d - k.g.l_1 * in_plane(theta[0]), "second link")}
+
+    def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
+        # M = [E (r - o), E (r - elbow)]
+        determinant = k.let("det", cross2(at.d, at.u_2), "l_1 l_2 sin(theta_2)")
         return VelocityEquations(
             F=sp.eye(2),
             A=sp.eye(2),
-            B=sp.Matrix.hstack(E * d, E * outer),
+            B=sp.Matrix.hstack(E * at.d, E * at.u_2),
             determinant=determinant,
             serial=(Factor("elbow", determinant / (k.g.l_1 * k.g.l_2), "links aligned, sin(theta_2) = 0"),),
         )
 
-    def passive(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Passive:
-        t_12 = theta[0] + theta[1]
-        return Passive((), sp.Matrix([sp.cos(t_12), sp.sin(t_12)]))
+    def passive(self, k: KernelWriter, at: SimpleNamespace) -> Passive:
+        return Passive((), at.u_2 / k.g.l_2)
 
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
-        return s - self.forward(k, theta, sp.Matrix(0, 1, []))[0]
+        return s - self.forward(k, theta, sp.Matrix(0, 1, [])).s

@@ -10,16 +10,31 @@ A_i^-1 B_i is 0/0 there.  The kernels here are those of general lengths; `regula
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import GeometryField, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Factor, Joint, JointKind, Passive, Sign, Space, SubLeg, VelocityEquations
+from krhpr.derivations.sublegs.base import (
+    Factor,
+    Forward,
+    Joint,
+    JointKind,
+    Passive,
+    Posture,
+    Sign,
+    Space,
+    SubLeg,
+    VelocityEquations,
+)
 from krhpr.derivations.sublegs.first_axis import (
+    FRAME_PORTS,
     SHOULDER,
     axis_geometry,
+    in_plane,
+    link_frame,
     linkage_frame,
     place,
     plane_coordinates,
@@ -68,10 +83,11 @@ class RFiveBar(SubLeg):
         )
         return axis_geometry("subleg_r_fivebar", self.doc, lengths)
 
-    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> tuple[sp.Matrix, list[Any]]:
-        tip_1 = k.let("u_1", k.g.l_4 * sp.Matrix([sp.cos(theta[1]), sp.sin(theta[1])]), "E - c in (x, e_1)")
-        tip_2 = k.let("u_2", k.g.l_2 * sp.Matrix([sp.cos(theta[2]), sp.sin(theta[2])]), "C - c in (x, e_1)")
-        line = k.let("f", tip_1 - tip_2, "from C to E")
+    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
+        x, e_2 = linkage_frame(k, theta[0])
+        u_1 = k.let("u_1", k.g.l_4 * in_plane(theta[1]), "E - c in (x, e_1)")
+        u_2 = k.let("u_2", k.g.l_2 * in_plane(theta[2]), "C - c in (x, e_1)")
+        line = k.let("f", u_1 - u_2, "from C to E")
         d2 = k.let("d2", dot(line, line))
         tail = k.let("ratio", self._ratio(k), "1 - l_5/l_6")
         # P is at distance l_3 from C and |w| = |l_6 - l_5| from E
@@ -79,8 +95,8 @@ class RFiveBar(SubLeg):
         radicand = k.let("h2", k.g.l_3**2 / d2 - along**2)
         across = k.let("across", assembly[0] * sp.sqrt(radicand))
         w = k.let("w", (along - 1) * line + across * (E * line), "P - E")
-        end = k.let("end", tip_1 + w / tail, "s - c in (x, e_1)")
-        return place(k, theta[0], end[0], end[1]), [radicand]
+        d = k.let("d", u_1 + w / tail, "s - c in (x, e_1)")
+        return Forward(place(k, x, d[0], d[1]), {"x": x, "e_2": e_2, "d": d, "u_1": u_1, "u_2": u_2}, radicand)
 
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
         theta_1, r, y = shoulder(k, s, mode[0])
@@ -97,10 +113,23 @@ class RFiveBar(SubLeg):
         rod = outside(k, k.let("reach_2", sp.sqrt(dot(pivot, pivot))), k.g.l_2, k.g.l_3)
         return k.maximum(rod, outside(k, k.let("reach_1", sp.sqrt(r**2 + y**2)), k.g.l_4, k.g.l_6))
 
-    def velocity(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> VelocityEquations:
+    def posture_ports(self) -> tuple[Port, ...]:
+        cranks = (("u_1", "crank u_1 in the linkage plane (x, e_1)"), ("u_2", "crank u_2 in the linkage plane (x, e_1)"))
+        return (*FRAME_PORTS, *(Port(name, (2,), Unit.METRE, Frame.JOINT, doc, Layout.STACKED) for name, doc in cranks))
+
+    def posture(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Posture:
         x, e_2 = linkage_frame(k, theta[0])
-        r, y = plane_coordinates(k, s, x)
-        u_1, v_1, u_2, v_2 = self._links(k, r, y, theta)
+        return {
+            "x": x,
+            "e_2": e_2,
+            "d": plane_coordinates(k, s, x),
+            "u_1": k.let("u_1", k.g.l_4 * in_plane(theta[1])),
+            "u_2": k.let("u_2", k.g.l_2 * in_plane(theta[2])),
+        }
+
+    def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
+        r, u_1, u_2 = at.d[0], at.u_1, at.u_2
+        v_1, v_2 = self._distal(k, at)
         ratio = k.let("ratio", self._ratio(k), "1 - l_5/l_6")
         b_22 = k.let("b_22", cross2(u_1, v_1), "v_1^T (e_2 x u_1)")
         b_32 = k.let("b_32", (1 - ratio) * cross2(v_2, u_1), "(1.13)")
@@ -110,7 +139,7 @@ class RFiveBar(SubLeg):
         A = sp.Matrix([[0, 0, 1], [v_1[0], v_1[1], 0], [ratio * v_2[0], ratio * v_2[1], 0]])
         B = sp.Matrix([[-r, 0, 0], [0, b_22, 0], [0, b_32, b_33]])
         return VelocityEquations(
-            F=sp.Matrix.hstack(x, k.g.e_1, e_2),
+            F=sp.Matrix.hstack(at.x, k.g.e_1, at.e_2),
             A=A,
             B=B,
             determinant=-r * b_22 * b_33 / (ratio * alignment),
@@ -122,35 +151,27 @@ class RFiveBar(SubLeg):
             parallel=(Factor("rod", alignment / (k.g.l_6 * k.g.l_3), "rod v_2 and distal link v_1 aligned"),),
         )
 
-    def passive(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Passive:
-        x, e_2 = linkage_frame(k, theta[0])
-        r, y = plane_coordinates(k, s, x)
-        u_1, v_1, u_2, v_2 = self._links(k, r, y, theta)
-        pairs = ((u_1, v_1), (u_2, v_2), (v_2, v_1))
+    def passive(self, k: KernelWriter, at: SimpleNamespace) -> Passive:
+        v_1, v_2 = self._distal(k, at)
+        pairs = ((at.u_1, v_1), (at.u_2, v_2), (v_2, v_1))
         angles = [k.atan2(cross2(a, b), dot(a, b)) for a, b in pairs]
-        d = k.let("dir", v_1 / k.g.l_6, "direction of the distal link in (x, e_1)")
-        along = k.let("along", d[0] * x + d[1] * k.g.e_1)
-        across = k.let("across", d[0] * k.g.e_1 - d[1] * x, "e_2 x along")
-        return Passive(tuple(zip(self.passive_joints, angles, strict=True)), sp.Matrix.hstack(along, across, e_2))
+        named = tuple(zip(self.passive_joints, angles, strict=True))
+        return Passive(named, link_frame(k, at, v_1 / k.g.l_6))
 
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         # (A.1), (A.5), (A.15)
-        x, e_2 = linkage_frame(k, theta[0])
-        r, y = plane_coordinates(k, s, x)
-        _, v_1, _, v_2 = self._links(k, r, y, theta)
-        return sp.Matrix([dot(e_2, s - k.g.c), dot(v_1, v_1) - k.g.l_6**2, dot(v_2, v_2) - k.g.l_3**2])
+        at = SimpleNamespace(**self.posture(k, s, theta))
+        v_1, v_2 = self._distal(k, at)
+        return sp.Matrix([dot(at.e_2, s - k.g.c), dot(v_1, v_1) - k.g.l_6**2, dot(v_2, v_2) - k.g.l_3**2])
 
-    def _links(self, k: KernelWriter, r: Any, y: Any, theta: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix, sp.Matrix]:
-        """u_1, v_1, u_2, v_2 in the linkage plane (x, e_1), (1.14), (1.15)."""
-        u_1 = k.let("u_1", k.g.l_4 * sp.Matrix([sp.cos(theta[1]), sp.sin(theta[1])]))
-        v_1 = k.let("v_1", sp.Matrix([r, y]) - u_1, "(1.14)")
-        u_2 = k.let("u_2", k.g.l_2 * sp.Matrix([sp.cos(theta[2]), sp.sin(theta[2])]))
-        v_2 = k.let("v_2", u_1 + self._ratio(k) * v_1 - u_2, "(1.15)")
-        return u_1, v_1, u_2, v_2
+    def _distal(self, k: KernelWriter, at: SimpleNamespace) -> tuple[sp.Matrix, sp.Matrix]:
+        """Distal link v_1 and rod v_2 in the linkage plane (x, e_1), (1.14), (1.15)."""
+        v_1 = k.let("v_1", at.d - at.u_1, "(1.14)")
+        return v_1, k.let("v_2", at.u_1 + self._ratio(k) * v_1 - at.u_2, "(1.15)")
 
     def _pivot(self, k: KernelWriter, r: Any, y: Any, theta_2: Any) -> sp.Matrix:
         """P - c = u_1 + w in the linkage plane, (B.2)."""
-        u_1 = k.let("u_1", k.g.l_4 * sp.Matrix([sp.cos(theta_2), sp.sin(theta_2)]))
+        u_1 = k.let("u_1", k.g.l_4 * in_plane(theta_2))
         return k.let("p", u_1 + self._ratio(k) * (sp.Matrix([r, y]) - u_1), "r_i = u_1 + w")
 
     @staticmethod

@@ -5,16 +5,31 @@ theta_3 is relative to the second link:  s = c + l_2 (x cos t_2 + e_1 sin t_2) +
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import GeometryField, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Factor, Joint, JointKind, Passive, Sign, Space, SubLeg, VelocityEquations
+from krhpr.derivations.sublegs.base import (
+    Factor,
+    Forward,
+    Joint,
+    JointKind,
+    Passive,
+    Posture,
+    Sign,
+    Space,
+    SubLeg,
+    VelocityEquations,
+)
 from krhpr.derivations.sublegs.first_axis import (
+    FRAME_PORTS,
     SHOULDER,
     axis_geometry,
+    in_plane,
+    link_frame,
     linkage_frame,
     place,
     plane_coordinates,
@@ -22,7 +37,7 @@ from krhpr.derivations.sublegs.first_axis import (
     shoulder_factor,
 )
 from krhpr.derivations.sublegs.two_link import outside, two_link
-from krhpr.derivations.vectors import dot
+from krhpr.derivations.vectors import cross2, dot
 
 
 class RRR(SubLeg):
@@ -52,11 +67,11 @@ class RRR(SubLeg):
             ),
         )
 
-    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> tuple[sp.Matrix, list[Any]]:
-        t_2, t_23 = theta[1], theta[1] + theta[2]
-        r = k.let("r", k.g.l_2 * sp.cos(t_2) + k.g.l_3 * sp.cos(t_23))
-        y = k.let("y", k.g.l_2 * sp.sin(t_2) + k.g.l_3 * sp.sin(t_23))
-        return place(k, theta[0], r, y), []
+    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
+        x, e_2 = linkage_frame(k, theta[0])
+        v_1 = k.let("v_1", k.g.l_3 * in_plane(theta[1] + theta[2]), "link i3 in (x, e_1)")
+        d = k.let("d", k.g.l_2 * in_plane(theta[1]) + v_1, "s - c in (x, e_1)")
+        return Forward(place(k, x, d[0], d[1]), {"x": x, "e_2": e_2, "d": d, "v_1": v_1})
 
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
         theta_1, r, y = shoulder(k, s, mode[0])
@@ -67,19 +82,23 @@ class RRR(SubLeg):
         d = k.let("d", s - k.g.c)
         return outside(k, k.let("distance", sp.sqrt(dot(d, d))), k.g.l_2, k.g.l_3)
 
-    def velocity(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> VelocityEquations:
-        # (2.15): columns e_1 x (s - c), e_2 x (s - c), e_2 x (s - c - u_1), written in the frame (x, e_1, e_2)
+    def posture_ports(self) -> tuple[Port, ...]:
+        v_1 = Port("v_1", (2,), Unit.METRE, Frame.JOINT, "link i3 in the linkage plane (x, e_1)", Layout.STACKED)
+        return (*FRAME_PORTS, v_1)
+
+    def posture(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Posture:
         x, e_2 = linkage_frame(k, theta[0])
-        r, y = plane_coordinates(k, s, x)
-        cosine, sine = k.let("cos_2", sp.cos(theta[1])), k.let("sin_2", sp.sin(theta[1]))
-        outer = k.let("v_1", sp.Matrix([r - k.g.l_2 * cosine, y - k.g.l_2 * sine]), "s - c - u_1 in the linkage plane")
-        columns = sp.Matrix([[0, -y, -outer[1]], [0, r, outer[0]], [-r, 0, 0]])
-        # l_2 l_3 sin(theta_3) = u_1 x v_1
-        elbow = k.let("elbow", k.g.l_2 * (cosine * outer[1] - sine * outer[0]), "l_2 l_3 sin(theta_3)")
+        d = plane_coordinates(k, s, x)
+        return {"x": x, "e_2": e_2, "d": d, "v_1": k.let("v_1", d - k.g.l_2 * in_plane(theta[1]), "s - c - u_1")}
+
+    def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
+        # (2.15): columns e_1 x (s - c), e_2 x (s - c), e_2 x (s - c - u_1), written in the frame (x, e_1, e_2)
+        (r, y), v = at.d, at.v_1
+        elbow = k.let("elbow", cross2(at.d, v), "u_1 x v_1 = l_2 l_3 sin(theta_3)")
         return VelocityEquations(
-            F=sp.Matrix.hstack(x, k.g.e_1, e_2),
+            F=sp.Matrix.hstack(at.x, k.g.e_1, at.e_2),
             A=sp.eye(3),
-            B=columns,
+            B=sp.Matrix([[0, -y, -v[1]], [0, r, v[0]], [-r, 0, 0]]),
             determinant=-elbow * r,
             serial=(
                 shoulder_factor(r, k.g.l_2 + k.g.l_3),
@@ -87,12 +106,8 @@ class RRR(SubLeg):
             ),
         )
 
-    def passive(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Passive:
-        x, e_2 = linkage_frame(k, theta[0])
-        t_23 = theta[1] + theta[2]
-        along = k.let("along", sp.cos(t_23) * x + sp.sin(t_23) * k.g.e_1, "direction of link i3")
-        across = k.let("across", sp.cos(t_23) * k.g.e_1 - sp.sin(t_23) * x, "e_2 x along")
-        return Passive((), sp.Matrix.hstack(along, across, e_2))
+    def passive(self, k: KernelWriter, at: SimpleNamespace) -> Passive:
+        return Passive((), link_frame(k, at, at.v_1 / k.g.l_3))
 
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
-        return s - self.forward(k, theta, sp.Matrix(0, 1, []))[0]
+        return s - self.forward(k, theta, sp.Matrix(0, 1, [])).s

@@ -182,7 +182,10 @@ int krhpr_planar_rr_a_subleg_jacobian(const krhpr_planar_rr_a_geometry *g, const
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_jacobian(&g->subleg[i], s + 2 * i, theta + 2 * i, M + 4 * i);
+        double d[2];
+        double u_2[2];
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_jacobian(&g->subleg[i], d, u_2, M + 4 * i);
     }
     return status;
 }
@@ -243,9 +246,12 @@ int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const doubl
     krhpr_algebra_planar_rotation(phi, Q);
     for (int i = 0; i < 3; ++i) {
         double N[2];
+        double d[2];
+        double u_2[2];
         double K_block[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_project(&g->subleg[i], s + 2 * i, theta + 2 * i, N, K_block);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -278,8 +284,11 @@ int krhpr_planar_rr_a_jacobian_blocks(const krhpr_planar_rr_a_geometry *g, const
     krhpr_algebra_planar_rotation(phi, Q);
     for (int i = 0; i < 3; ++i) {
         double N[2];
+        double d[2];
+        double u_2[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_project(&g->subleg[i], s + 2 * i, theta + 2 * i, N, K + 2 * i);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K + 2 * i);
     }
     return status;
 }
@@ -422,9 +431,12 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double scale[2];
+        double d[2];
+        double u_2[2];
         double s_dot[2];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_velocity(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -461,9 +473,12 @@ int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const dou
     krhpr_algebra_planar_rotation(phi, Q);
     for (int i = 0; i < 3; ++i) {
         double s_dot[2];
+        double d[2];
+        double u_2[2];
         double regularity;
         krhpr_platform_planar_a_end_velocity(&g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], s + 2 * i, theta + 2 * i, s_dot, theta_dot + 2 * i, &regularity);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, s_dot, theta_dot + 2 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 2 * i, 2);
@@ -503,12 +518,15 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
         double scale[2];
         double s_dot[2];
         double bias[2];
+        double d[2];
+        double u_2[2];
         double along[2];
         double s_ddot[2];
         double row_bias[1];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_rr_velocity(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_ddot + 2 * i, along);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
@@ -551,11 +569,14 @@ int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, c
         double s_dot_again[2];
         double bias[2];
         double along[2];
+        double d[2];
+        double u_2[2];
         double regularity;
         krhpr_platform_planar_a_end_acceleration(&g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
         krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], s + 2 * i, theta + 2 * i, along, theta_ddot + 2 * i, &regularity);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, along, theta_ddot + 2 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 2 * i, 2);
@@ -588,9 +609,12 @@ int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const 
     }
     krhpr_algebra_planar_rotation(phi, Q);
     for (int i = 0; i < 3; ++i) {
+        double d[2];
+        double u_2[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_rr_passive(&g->subleg[i], s + 2 * i, theta + 2 * i, link);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_passive(&g->subleg[i], u_2, link);
         krhpr_platform_planar_a_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, &wrist[i]);
     }
@@ -626,8 +650,11 @@ int krhpr_planar_rr_a_singularity(const krhpr_planar_rr_a_geometry *g, const dou
     }
     krhpr_algebra_planar_rotation(phi, Q);
     for (int i = 0; i < 3; ++i) {
+        double d[2];
+        double u_2[2];
         double N[2];
-        krhpr_subleg_planar_rr_determinant(&g->subleg[i], s + 2 * i, theta + 2 * i, &type_1[i], factors + i);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_determinant(&g->subleg[i], d, u_2, &type_1[i], factors + i);
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);

@@ -200,8 +200,14 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian(const krhpr_spatial_r_fivebar_a_ge
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double regularity;
-        krhpr_subleg_r_fivebar_jacobian(&g->subleg[i], s + 3 * i, theta + 3 * i, M + 9 * i, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_jacobian(&g->subleg[i], x, e_2, d, u_1, u_2, M + 9 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(M + 9 * i, 9);
@@ -262,10 +268,16 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
     }
     for (int i = 0; i < 3; ++i) {
         double N[6];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double K_block[6];
         double regularity;
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_r_fivebar_project(&g->subleg[i], s + 3 * i, theta + 3 * i, N, K_block, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K_block, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(J + 12 * i, 12);
@@ -302,9 +314,15 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_ge
     }
     for (int i = 0; i < 3; ++i) {
         double N[6];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double regularity;
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_r_fivebar_project(&g->subleg[i], s + 3 * i, theta + 3 * i, N, K + 6 * i, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K + 6 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(J + 12 * i, 12);
@@ -444,10 +462,16 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double s_dot[3];
         double regularity;
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
@@ -488,9 +512,15 @@ int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geomet
     }
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double regularity;
         krhpr_platform_spatial_a_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_r_fivebar_rates(&g->subleg[i], s + 3 * i, theta + 3 * i, s_dot, theta_dot + 3 * i, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 3 * i, 3);
@@ -528,13 +558,19 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
         double scale[2];
         double s_dot[3];
         double bias[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double along[3];
         double regularity;
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_ddot + 3 * i, along, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
@@ -581,11 +617,17 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_
         double s_dot_again[3];
         double bias[3];
         double along[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double regularity;
         krhpr_platform_spatial_a_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
         krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_r_fivebar_rates(&g->subleg[i], s + 3 * i, theta + 3 * i, along, theta_ddot + 3 * i, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 3 * i, 3);
@@ -617,9 +659,15 @@ int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geo
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_r_fivebar_passive(&g->subleg[i], s + 3 * i, theta + 3 * i, passive + 3 * i, link);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_passive(&g->subleg[i], x, e_2, d, u_1, u_2, passive + 3 * i, link);
         krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
@@ -653,8 +701,14 @@ int krhpr_spatial_r_fivebar_a_singularity(const krhpr_spatial_r_fivebar_a_geomet
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
         double N[6];
-        krhpr_subleg_r_fivebar_determinant(&g->subleg[i], s + 3 * i, theta + 3 * i, &type_1[i], factors + 4 * i);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);

@@ -182,7 +182,12 @@ int krhpr_spatial_rrr_a_subleg_jacobian(const krhpr_spatial_rrr_a_geometry *g, c
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_jacobian(&g->subleg[i], s + 3 * i, theta + 3 * i, M + 9 * i);
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_jacobian(&g->subleg[i], x, e_2, d, v_1, M + 9 * i);
     }
     return status;
 }
@@ -239,9 +244,14 @@ int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const d
     }
     for (int i = 0; i < 3; ++i) {
         double N[6];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double K_block[6];
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_project(&g->subleg[i], s + 3 * i, theta + 3 * i, N, K_block);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -273,8 +283,13 @@ int krhpr_spatial_rrr_a_jacobian_blocks(const krhpr_spatial_rrr_a_geometry *g, c
     }
     for (int i = 0; i < 3; ++i) {
         double N[6];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_project(&g->subleg[i], s + 3 * i, theta + 3 * i, N, K + 6 * i);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K + 6 * i);
     }
     return status;
 }
@@ -409,9 +424,14 @@ int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const doubl
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double s_dot[3];
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_velocity(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -449,9 +469,14 @@ int krhpr_spatial_rrr_a_joint_rates(const krhpr_spatial_rrr_a_geometry *g, const
     }
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double regularity;
         krhpr_platform_spatial_a_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_rrr_rates(&g->subleg[i], s + 3 * i, theta + 3 * i, s_dot, theta_dot + 3 * i, &regularity);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 3 * i, 3);
@@ -489,12 +514,17 @@ int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry
         double scale[2];
         double s_dot[3];
         double bias[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double along[3];
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_rrr_velocity(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_ddot + 3 * i, along);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
@@ -538,11 +568,16 @@ int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *
         double s_dot_again[3];
         double bias[3];
         double along[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double regularity;
         krhpr_platform_spatial_a_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
         krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_rrr_rates(&g->subleg[i], s + 3 * i, theta + 3 * i, along, theta_ddot + 3 * i, &regularity);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 3 * i, 3);
@@ -573,9 +608,14 @@ int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, co
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_rrr_passive(&g->subleg[i], s + 3 * i, theta + 3 * i, link);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_passive(&g->subleg[i], x, e_2, v_1, link);
         krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
@@ -609,8 +649,13 @@ int krhpr_spatial_rrr_a_singularity(const krhpr_spatial_rrr_a_geometry *g, const
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double N[6];
-        krhpr_subleg_rrr_determinant(&g->subleg[i], s + 3 * i, theta + 3 * i, &type_1[i], factors + 2 * i);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + 2 * i);
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);

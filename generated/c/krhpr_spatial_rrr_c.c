@@ -176,7 +176,12 @@ int krhpr_spatial_rrr_c_subleg_jacobian(const krhpr_spatial_rrr_c_geometry *g, c
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_jacobian(&g->subleg[i], s + 3 * i, theta + 3 * i, M + 9 * i);
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_jacobian(&g->subleg[i], x, e_2, d, v_1, M + 9 * i);
     }
     return status;
 }
@@ -233,9 +238,14 @@ int krhpr_spatial_rrr_c_jacobians(const krhpr_spatial_rrr_c_geometry *g, const d
     }
     for (int i = 0; i < 3; ++i) {
         double N[6];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double K_block[6];
         krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_project(&g->subleg[i], s + 3 * i, theta + 3 * i, N, K_block);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -267,8 +277,13 @@ int krhpr_spatial_rrr_c_jacobian_blocks(const krhpr_spatial_rrr_c_geometry *g, c
     }
     for (int i = 0; i < 3; ++i) {
         double N[6];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_project(&g->subleg[i], s + 3 * i, theta + 3 * i, N, K + 6 * i);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K + 6 * i);
     }
     return status;
 }
@@ -403,9 +418,14 @@ int krhpr_spatial_rrr_c_twist(const krhpr_spatial_rrr_c_geometry *g, const doubl
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double s_dot[3];
         krhpr_platform_spatial_c_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_velocity(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -443,9 +463,14 @@ int krhpr_spatial_rrr_c_joint_rates(const krhpr_spatial_rrr_c_geometry *g, const
     }
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double regularity;
         krhpr_platform_spatial_c_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_rrr_rates(&g->subleg[i], s + 3 * i, theta + 3 * i, s_dot, theta_dot + 3 * i, &regularity);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 3 * i, 3);
@@ -483,12 +508,17 @@ int krhpr_spatial_rrr_c_platform_acceleration(const krhpr_spatial_rrr_c_geometry
         double scale[2];
         double s_dot[3];
         double bias[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double along[3];
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_c_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_rrr_velocity(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_ddot + 3 * i, along);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
         krhpr_platform_spatial_c_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
@@ -532,11 +562,16 @@ int krhpr_spatial_rrr_c_joint_accelerations(const krhpr_spatial_rrr_c_geometry *
         double s_dot_again[3];
         double bias[3];
         double along[3];
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double regularity;
         krhpr_platform_spatial_c_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
         krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_rrr_rates(&g->subleg[i], s + 3 * i, theta + 3 * i, along, theta_ddot + 3 * i, &regularity);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity);
         if (!(regularity >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 3 * i, 3);
@@ -567,9 +602,14 @@ int krhpr_spatial_rrr_c_passive_joints(const krhpr_spatial_rrr_c_geometry *g, co
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_rrr_passive(&g->subleg[i], s + 3 * i, theta + 3 * i, link);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_passive(&g->subleg[i], x, e_2, v_1, link);
         krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
@@ -603,8 +643,13 @@ int krhpr_spatial_rrr_c_singularity(const krhpr_spatial_rrr_c_geometry *g, const
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double v_1[2];
         double N[6];
-        krhpr_subleg_rrr_determinant(&g->subleg[i], s + 3 * i, theta + 3 * i, &type_1[i], factors + 2 * i);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + 2 * i);
         krhpr_platform_spatial_c_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);

@@ -18,12 +18,12 @@ typedef struct {
     double l_1; /* first link (m) */
     double l_2; /* second link (m) */
     double o[2]; /* base joint */
-    double k[6]; /* sub-expressions of the geometry alone, computed once */
+    double k[7]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 1 sine cosine, 1
- * select) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 1 divide, 1 sine
+ * cosine, 1 select) */
 static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g)
 {
     double t1, t2; krhpr_sincos(g->azimuth, &t1, &t2);
@@ -37,16 +37,40 @@ static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometr
     g->k[3] = g->l_2 * g->l_2;
     g->k[4] = fabs(t3);
     g->k[5] = g->l_1 * g->l_2;
+    g->k[6] = 1.0 / g->l_2;
 }
 
 /* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (5 add, 4 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_planar_rr_forward(const krhpr_subleg_planar_rr_geometry *g, const double theta[2], double *KRHPR_RESTRICT s)
 {
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double t3 = theta[0] + theta[1];
-    double t4, t5; krhpr_sincos(t3, &t4, &t5);
-    s[0] = g->o[0] + g->l_1 * t2 + g->l_2 * t5;
-    s[1] = g->o[1] + g->l_1 * t1 + g->l_2 * t4;
+    const double t1 = theta[0] + theta[1];
+    double t2, t3; krhpr_sincos(t1, &t2, &t3);
+    const double u_2_0 = g->l_2 * t3; /* second link */
+    const double u_2_1 = g->l_2 * t2;
+    double t4, t5; krhpr_sincos(theta[0], &t4, &t5);
+    const double d_0 = u_2_0 + g->l_1 * t5; /* r - o */
+    const double d_1 = u_2_1 + g->l_1 * t4;
+    s[0] = g->o[0] + d_0;
+    s[1] = g->o[1] + d_1;
+}
+
+/* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (5 add, 4 multiply, 2
+ * sine cosine) */
+static inline void krhpr_subleg_planar_rr_forward_posture(const krhpr_subleg_planar_rr_geometry *g, const double theta[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+{
+    const double t1 = theta[0] + theta[1];
+    double t2, t3; krhpr_sincos(t1, &t2, &t3);
+    const double u_2_0 = g->l_2 * t3; /* second link */
+    const double u_2_1 = g->l_2 * t2;
+    double t4, t5; krhpr_sincos(theta[0], &t4, &t5);
+    const double d_0 = u_2_0 + g->l_1 * t5; /* r - o */
+    const double d_1 = u_2_1 + g->l_1 * t4;
+    s[0] = g->o[0] + d_0;
+    s[1] = g->o[1] + d_1;
+    d[0] = d_0;
+    d[1] = d_1;
+    u_2[0] = u_2_0;
+    u_2[1] = u_2_1;
 }
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
@@ -99,53 +123,46 @@ static inline void krhpr_subleg_planar_rr_reach(const krhpr_subleg_planar_rr_geo
     *excess = krhpr_max(distance - g->l_1 - g->l_2, g->k[4] - distance);
 }
 
-/* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (5 add, 2 multiply, 1 sine
- * cosine) */
-static inline void krhpr_subleg_planar_rr_jacobian(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], double *KRHPR_RESTRICT M)
+/* Posture of the RR sub-leg: the vectors that its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4
+ * add, 2 multiply, 1 sine cosine) */
+static inline void krhpr_subleg_planar_rr_posture(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
     double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_1_0 = g->l_1 * t2; /* first link */
-    const double u_1_1 = g->l_1 * t1;
-    const double u_2_0 = d_0 - u_1_0; /* second link */
-    const double m_00 = g->o[1] - s[1]; /* A^-1 B in the leg's frame */
-    const double m_01 = u_1_1 - d_1;
+    d[0] = d_0;
+    d[1] = d_1;
+    u_2[0] = d_0 - g->l_1 * t2;
+    u_2[1] = d_1 - g->l_1 * t1;
+}
+
+/* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
+static inline void krhpr_subleg_planar_rr_jacobian(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], double *KRHPR_RESTRICT M)
+{
+    (void)(g);
+    const double m_00 = -d[1];
+    const double m_01 = -u_2[1];
     M[0] = m_00;
     M[1] = m_01;
-    M[2] = d_0;
-    M[3] = u_2_0;
+    M[2] = d[0];
+    M[3] = u_2[0];
 }
 
 /* Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's lines.
- * Thesis: (1.8), (1.28).  (7 add, 6 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rr_project(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], const double N[2], double *KRHPR_RESTRICT K)
+ * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
+static inline void krhpr_subleg_planar_rr_project(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double N[2], double *KRHPR_RESTRICT K)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_1_0 = g->l_1 * t2; /* first link */
-    const double u_1_1 = g->l_1 * t1;
-    const double u_2_0 = d_0 - u_1_0; /* second link */
-    const double m_00 = g->o[1] - s[1]; /* A^-1 B in the leg's frame */
-    const double m_01 = u_1_1 - d_1;
-    K[0] = N[0] * m_00 + d_0 * N[1];
-    K[1] = N[0] * m_01 + u_2_0 * N[1];
+    (void)(g);
+    K[0] = d[0] * N[1] - d[1] * N[0];
+    K[1] = u_2[0] * N[1] - u_2[1] * N[0];
 }
 
-/* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (6 add, 6 multiply, 1 sine
- * cosine) */
-static inline void krhpr_subleg_planar_rr_velocity(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
+/* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
+static inline void krhpr_subleg_planar_rr_velocity(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_1_0 = g->l_1 * t2; /* first link */
-    const double u_1_1 = g->l_1 * t1;
-    const double u_2_0 = d_0 - u_1_0; /* second link */
-    const double u_2_1 = d_1 - u_1_1;
-    const double w_0 = -(d_1 * theta_dot[0] + u_2_1 * theta_dot[1]); /* B theta_dot */
-    const double w_1 = d_0 * theta_dot[0] + u_2_0 * theta_dot[1];
+    (void)(g);
+    const double w_0 = -(d[1] * theta_dot[0] + u_2[1] * theta_dot[1]);
+    const double w_1 = d[0] * theta_dot[0] + u_2[0] * theta_dot[1];
     s_dot[0] = w_0;
     s_dot[1] = w_1;
 }
@@ -157,62 +174,42 @@ static inline void krhpr_subleg_planar_rr_bias(const krhpr_subleg_planar_rr_geom
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
     double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_1_0 = g->l_1 * t2; /* first link */
-    const double u_1_1 = g->l_1 * t1;
-    const double u_2_0 = d_0 - u_1_0; /* second link */
-    const double u_2_1 = d_1 - u_1_1;
+    const double u_2_0 = d_0 - g->l_1 * t2; /* second link */
+    const double u_2_1 = d_1 - g->l_1 * t1;
     const double t3 = theta_dot[0] * d_1 + theta_dot[1] * u_2_1;
-    const double w_0 = -t3; /* B theta_dot */
-    const double w_1 = theta_dot[0] * d_0 + theta_dot[1] * u_2_0;
-    s_dot[0] = w_0;
-    s_dot[1] = w_1;
-    bias[0] = -(theta_dot[0] * w_1 + theta_dot[1] * (w_1 - g->l_1 * (theta_dot[0] * t2)));
+    const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * u_2_0;
+    const double t4 = theta_dot[0] * s_dot_1 + theta_dot[1] * (s_dot_1 - g->l_1 * (theta_dot[0] * t2));
+    s_dot[0] = -t3;
+    s_dot[1] = s_dot_1;
+    bias[0] = -t4;
     bias[1] = theta_dot[1] * (g->l_1 * (theta_dot[0] * t1) - t3) - theta_dot[0] * t3;
 }
 
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
- * serves accelerations too.  Thesis: (1.9).  (8 add, 12 multiply, 2 divide, 1 sine cosine, 1 select) */
-static inline void krhpr_subleg_planar_rr_rates(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+ * serves accelerations too.  Thesis: (1.9).  (3 add, 8 multiply, 2 divide, 1 select) */
+static inline void krhpr_subleg_planar_rr_rates(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_1_0 = g->l_1 * t2; /* first link */
-    const double u_1_1 = g->l_1 * t1;
-    const double u_2_0 = d_0 - u_1_0; /* second link */
-    const double u_2_1 = d_1 - u_1_1;
-    const double det = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* l_1 l_2 sin(theta_2) */
-    const double t3 = 1.0 / (d_0 * u_2_1 - d_1 * u_2_0);
-    theta_dot[0] = (u_2_0 * s_dot[0] + u_2_1 * s_dot[1]) * t3;
-    theta_dot[1] = -t3 * (d_0 * s_dot[0] + d_1 * s_dot[1]);
+    const double det = d[0] * u_2[1] - d[1] * u_2[0]; /* l_1 l_2 sin(theta_2) */
+    const double t1 = 1.0 / det;
+    theta_dot[0] = (u_2[0] * s_dot[0] + u_2[1] * s_dot[1]) * t1;
+    theta_dot[1] = -t1 * (d[0] * s_dot[0] + d[1] * s_dot[1]);
     *regularity = fabs(det / g->k[5]);
 }
 
-/* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (5 add, 4 multiply, 1
- * divide, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rr_determinant(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+/* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 2 multiply, 1
+ * divide) */
+static inline void krhpr_subleg_planar_rr_determinant(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_1_0 = g->l_1 * t2; /* first link */
-    const double u_1_1 = g->l_1 * t1;
-    const double u_2_0 = d_0 - u_1_0; /* second link */
-    const double u_2_1 = d_1 - u_1_1;
-    const double det = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* l_1 l_2 sin(theta_2) */
+    const double det = d[0] * u_2[1] - d[1] * u_2[0];
     *det_M = det;
     factors[0] = det / g->k[5];
 }
 
-/* Passive joints of the RR sub-leg and the orientation of its last link.  (1 add, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rr_passive(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], double *KRHPR_RESTRICT link)
+/* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
+static inline void krhpr_subleg_planar_rr_passive(const krhpr_subleg_planar_rr_geometry *g, const double u_2[2], double *KRHPR_RESTRICT link)
 {
-    (void)(g);
-    (void)(s);
-    const double t1 = theta[0] + theta[1];
-    double link_1, link_0; krhpr_sincos(t1, &link_1, &link_0);
-    link[0] = link_0;
-    link[1] = link_1;
+    link[0] = u_2[0] * g->k[6];
+    link[1] = u_2[1] * g->k[6];
 }
 
 #endif

@@ -84,6 +84,10 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
  * divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_geometry *g, const double theta[3], const double assembly[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
+    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
     double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
     const double u_1_0 = g->l_4 * t2; /* E - c in (x, e_1) */
     const double u_1_1 = g->l_4 * t1;
@@ -100,15 +104,55 @@ static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_g
     const double t6 = along - 1.0;
     const double w_0 = f_0 * t6 - f_1 * across; /* P - E */
     const double w_1 = f_0 * across + f_1 * t6;
-    const double end_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
-    const double end_1 = u_1_1 + w_1 * g->k[2];
-    double t7, t8; krhpr_sincos(theta[0], &t7, &t8);
-    const double x_0 = g->e_x[0] * t8 - g->e_t[0] * t7; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * t8 - g->e_t[1] * t7;
-    const double x_2 = g->e_x[2] * t8;
-    s[0] = g->c[0] + end_0 * x_0 + g->e_1[0] * end_1;
-    s[1] = g->c[1] + end_0 * x_1 + g->e_1[1] * end_1;
-    s[2] = g->c[2] + end_0 * x_2 + g->e_1[2] * end_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
+    const double d_1 = u_1_1 + w_1 * g->k[2];
+    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    *radicand = h2;
+}
+
+/* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 33
+ * multiply, 1 divide, 1 square root, 3 sine cosine) */
+static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_fivebar_geometry *g, const double theta[3], const double assembly[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
+{
+    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
+    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
+    const double u_1_0 = g->l_4 * t2; /* E - c in (x, e_1) */
+    const double u_1_1 = g->l_4 * t1;
+    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
+    const double u_2_0 = g->l_2 * t4; /* C - c in (x, e_1) */
+    const double u_2_1 = g->l_2 * t3;
+    const double f_0 = u_1_0 - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - u_2_1;
+    const double d2 = f_0 * f_0 + f_1 * f_1;
+    const double t5 = 1.0 / d2;
+    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t5;
+    const double h2 = g->k[0] * t5 - along * along;
+    const double across = assembly[0] * sqrt(h2);
+    const double t6 = along - 1.0;
+    const double w_0 = f_0 * t6 - f_1 * across; /* P - E */
+    const double w_1 = f_0 * across + f_1 * t6;
+    const double d_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
+    const double d_1 = u_1_1 + w_1 * g->k[2];
+    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    x[0] = x_0;
+    x[1] = x_1;
+    x[2] = x_2;
+    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
+    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
+    e_2[2] = g->e_x[2] * sin_1;
+    d[0] = d_0;
+    d[1] = d_1;
+    u_1[0] = u_1_0;
+    u_1[1] = u_1_1;
+    u_2[0] = u_2_0;
+    u_2[1] = u_2_1;
     *radicand = h2;
 }
 
@@ -281,159 +325,132 @@ static inline void krhpr_subleg_r_fivebar_reach(const krhpr_subleg_r_fivebar_geo
     *excess = excess_a;
 }
 
-/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (31 add, 59
- * multiply, 2 divide, 3 sine cosine, 1 select) */
-static inline void krhpr_subleg_r_fivebar_jacobian(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
+/* Posture of the R(RR-RRR) sub-leg: the vectors that its velocity equations are made of.  Thesis: App. B.
+ * (11 add, 20 multiply, 3 sine cosine) */
+static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
     const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
     const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double arm_0 = s[0] - g->c[0]; /* s - c */
+    const double arm_1 = s[1] - g->c[1];
+    const double arm_2 = s[2] - g->c[2];
     double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
     double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
-    const double t5 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1_0 + t5 - u_2_0; /* (1.15) */
-    const double t6 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1_1 + t6 - u_2_1; /* (1.15) */
-    const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double t7 = u_2_0 * v_2_1;
-    const double t8 = u_2_1 * v_2_0;
-    const double b_33 = t7 - t8; /* v_2^T (e_3 x u_2) */
+    x[0] = x_0;
+    x[1] = x_1;
+    x[2] = x_2;
+    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
+    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
+    e_2[2] = g->e_x[2] * sin_1;
+    d[0] = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
+    d[1] = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    u_1[0] = g->l_4 * t2;
+    u_1[1] = g->l_4 * t1;
+    u_2[0] = g->l_2 * t4;
+    u_2[1] = g->l_2 * t3;
+}
+
+/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 39
+ * multiply, 2 divide, 1 select) */
+static inline void krhpr_subleg_r_fivebar_jacobian(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
+{
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double t1 = v_1_0 * g->k[7];
+    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7];
+    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double t3 = u_2[0] * v_2_1;
+    const double t4 = u_2[1] * v_2_0;
+    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t9 = g->k[7] * b_22;
-    const double t10 = 1.0 / (t5 * v_2_1 - v_2_0 * t6);
-    const double m_01 = (v_2_1 * t9 - v_1_1 * b_32) * t10; /* A^-1 B in the leg's frame */
-    const double m_02 = t10 * (v_1_1 * (t8 - t7));
-    const double m_11 = t10 * (v_1_0 * b_32 - v_2_0 * t9);
-    const double m_12 = t10 * (v_1_0 * b_33);
-    M[0] = -e_2_0 * r;
-    M[1] = g->e_1[0] * m_11 + x_0 * m_01;
-    M[2] = g->e_1[0] * m_12 + x_0 * m_02;
-    M[3] = -e_2_1 * r;
-    M[4] = g->e_1[1] * m_11 + x_1 * m_01;
-    M[5] = g->e_1[1] * m_12 + x_1 * m_02;
-    M[6] = -e_2_2 * r;
-    M[7] = g->e_1[2] * m_11 + x_2 * m_01;
-    M[8] = g->e_1[2] * m_12 + x_2 * m_02;
+    const double t5 = g->k[7] * b_22;
+    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
+    const double m_02 = t6 * (v_1_1 * (t4 - t3));
+    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
+    const double m_12 = t6 * (v_1_0 * b_33);
+    M[0] = -e_2[0] * d[0];
+    M[1] = g->e_1[0] * m_11 + x[0] * m_01;
+    M[2] = g->e_1[0] * m_12 + x[0] * m_02;
+    M[3] = -e_2[1] * d[0];
+    M[4] = g->e_1[1] * m_11 + x[1] * m_01;
+    M[5] = g->e_1[1] * m_12 + x[1] * m_02;
+    M[6] = -e_2[2] * d[0];
+    M[7] = g->e_1[2] * m_11 + x[2] * m_01;
+    M[8] = g->e_1[2] * m_12 + x[2] * m_02;
     *regularity = fabs(delta / g->k[14]);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (41 add, 72 multiply, 2 divide, 3 sine cosine, 1 select) */
-static inline void krhpr_subleg_r_fivebar_project(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
+ * lines.  Thesis: (1.8), (1.28).  (30 add, 52 multiply, 2 divide, 1 select) */
+static inline void krhpr_subleg_r_fivebar_project(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
-    const double t5 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1_0 + t5 - u_2_0; /* (1.15) */
-    const double t6 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1_1 + t6 - u_2_1; /* (1.15) */
-    const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double t7 = u_2_0 * v_2_1;
-    const double t8 = u_2_1 * v_2_0;
-    const double b_33 = t7 - t8; /* v_2^T (e_3 x u_2) */
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double t1 = v_1_0 * g->k[7];
+    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7];
+    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double t3 = u_2[0] * v_2_1;
+    const double t4 = u_2[1] * v_2_0;
+    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t9 = g->k[7] * b_22;
-    const double t10 = 1.0 / (t5 * v_2_1 - v_2_0 * t6);
-    const double m_01 = (v_2_1 * t9 - v_1_1 * b_32) * t10; /* A^-1 B in the leg's frame */
-    const double m_02 = t10 * (v_1_1 * (t8 - t7));
-    const double m_11 = t10 * (v_1_0 * b_32 - v_2_0 * t9);
-    const double m_12 = t10 * (v_1_0 * b_33);
-    const double n_00 = x_0 * N[0] + x_1 * N[1] + x_2 * N[2]; /* N in the leg's frame */
+    const double t5 = g->k[7] * b_22;
+    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
+    const double m_02 = t6 * (v_1_1 * (t4 - t3));
+    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
+    const double m_12 = t6 * (v_1_0 * b_33);
+    const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
     const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
-    const double n_02 = e_2_0 * N[0] + e_2_1 * N[1] + e_2_2 * N[2];
-    const double n_10 = x_0 * N[3] + x_1 * N[4] + x_2 * N[5];
+    const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
     const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
-    const double n_12 = e_2_0 * N[3] + e_2_1 * N[4] + e_2_2 * N[5];
-    K[0] = -r * n_02;
+    const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    K[0] = -d[0] * n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
     K[2] = m_02 * n_00 + m_12 * n_01;
-    K[3] = -r * n_12;
+    K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
     *regularity = fabs(delta / g->k[14]);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (31 add, 54 multiply, 2
- * divide, 3 sine cosine, 1 select) */
-static inline void krhpr_subleg_r_fivebar_velocity(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
+/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 34 multiply, 2
+ * divide, 1 select) */
+static inline void krhpr_subleg_r_fivebar_velocity(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
-    const double t5 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1_0 + t5 - u_2_0; /* (1.15) */
-    const double t6 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1_1 + t6 - u_2_1; /* (1.15) */
-    const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double t1 = v_1_0 * g->k[7];
+    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7];
+    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t7 = r * theta_dot[0];
+    const double t3 = d[0] * theta_dot[0];
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
-    const double t8 = 1.0 / (t5 * v_2_1 - v_2_0 * t6);
-    const double v_0 = (w_1 * (g->k[7] * v_2_1) - v_1_1 * w_2) * t8; /* velocity in the leg's frame */
-    const double v_1 = t8 * (v_1_0 * w_2 - w_1 * (g->k[7] * v_2_0));
-    s_dot[0] = g->e_1[0] * v_1 - e_2_0 * t7 + x_0 * v_0;
-    s_dot[1] = g->e_1[1] * v_1 - e_2_1 * t7 + x_1 * v_0;
-    s_dot[2] = g->e_1[2] * v_1 - e_2_2 * t7 + x_2 * v_0;
+    const double t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const double v_0 = (w_1 * (g->k[7] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
+    const double v_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[7] * v_2_0));
+    s_dot[0] = g->e_1[0] * v_1 - e_2[0] * t3 + x[0] * v_0;
+    s_dot[1] = g->e_1[1] * v_1 - e_2[1] * t3 + x[1] * v_0;
+    s_dot[2] = g->e_1[2] * v_1 - e_2[2] * t3 + x[2] * v_0;
     *regularity = fabs(delta / g->k[14]);
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (80 add, 133 multiply, 1 divide, 3
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147 multiply, 1 divide, 3
  * sine cosine) */
 static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -444,19 +461,19 @@ static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geom
     const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
     const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
     const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double arm_0 = s[0] - g->c[0]; /* s - c */
+    const double arm_1 = s[1] - g->c[1];
+    const double arm_2 = s[2] - g->c[2];
+    const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
+    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
     double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
     const double u_1_0 = g->l_4 * t2;
     const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
     double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
     const double u_2_0 = g->l_2 * t4;
     const double u_2_1 = g->l_2 * t3;
+    const double v_1_0 = d_0 - u_1_0; /* (1.14) */
+    const double v_1_1 = d_1 - u_1_1;
     const double t5 = v_1_0 * g->k[7];
     const double v_2_0 = u_1_0 + t5 - u_2_0; /* (1.15) */
     const double t6 = v_1_1 * g->k[7];
@@ -464,174 +481,125 @@ static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geom
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double t7 = theta_dot[0] * r;
-    const double w_1 = theta_dot[1] * b_22; /* B theta_dot */
-    const double w_2 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t8 = g->k[7] * v_2_1;
-    const double t9 = 1.0 / (t5 * v_2_1 - v_2_0 * t6);
-    const double v_0 = (w_1 * t8 - v_1_1 * w_2) * t9; /* velocity in the leg's frame */
-    const double t10 = g->k[7] * v_2_0;
-    const double v_1 = t9 * (v_1_0 * w_2 - w_1 * t10); /* velocity in the leg's frame */
-    const double s_dot_0 = g->e_1[0] * v_1 - e_2_0 * t7 + x_0 * v_0;
-    const double s_dot_1 = g->e_1[1] * v_1 - e_2_1 * t7 + x_1 * v_0;
-    const double s_dot_2 = g->e_1[2] * v_1 - e_2_2 * t7 + x_2 * v_0;
-    const double t11 = theta_dot[0] * sin_1;
-    const double t12 = theta_dot[0] * cos_1;
-    const double t13 = g->e_x[0] * t11 + g->e_t[0] * t12;
-    const double t14 = g->e_x[1] * t11 + g->e_t[1] * t12;
-    const double t15 = g->e_x[2] * t11;
-    const double t16 = x_0 * s_dot_0 - d_0 * t13 + (x_1 * s_dot_1 - d_1 * t14) + (x_2 * s_dot_2 - d_2 * t15);
-    const double t17 = g->l_4 * (theta_dot[1] * t1);
-    const double t18 = g->l_4 * (theta_dot[1] * t2);
-    const double t19 = t16 + t17;
-    const double t20 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - t18;
-    const double t21 = g->l_2 * (theta_dot[2] * t3);
-    const double t22 = g->l_2 * (theta_dot[2] * t4);
-    const double t23 = g->k[7] * t19;
-    const double t24 = t21 + (t23 - t17);
-    const double t25 = g->k[7] * t20;
-    const double t26 = t18 + t25 - t22;
-    const double t27 = theta_dot[0] * t16;
-    const double t28 = theta_dot[1] * (u_1_0 * t20 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t19));
-    const double t29 = theta_dot[1] * (g->k[13] * (v_2_0 * t18 + u_1_1 * t24 - (u_1_0 * t26 - v_2_1 * t17)));
-    const double t30 = t29 + theta_dot[2] * (u_2_0 * t26 - v_2_1 * t21 - (v_2_0 * t22 + u_2_1 * t24));
-    const double t31 = v_2_1 * t23 + t5 * t26 - (t6 * t24 + v_2_0 * t25);
-    const double t32 = t9 * (t8 * t28 + w_1 * (g->k[7] * t26) - (w_2 * t20 + v_1_1 * t30) - v_0 * t31);
-    const double t33 = t9 * (w_2 * t19 + v_1_0 * t30 - (t10 * t28 + w_1 * (g->k[7] * t24)) - v_1 * t31);
-    const double bias_0 = g->e_1[0] * t33 - (t7 * (g->e_x[0] * t12 - g->e_t[0] * t11) + e_2_0 * t27) + (x_0 * t32 - v_0 * t13);
-    const double bias_1 = g->e_1[1] * t33 - (t7 * (g->e_x[1] * t12 - g->e_t[1] * t11) + e_2_1 * t27) + (x_1 * t32 - v_0 * t14);
-    const double bias_2 = g->e_1[2] * t33 - (t7 * (g->e_x[2] * t12) + e_2_2 * t27) + (x_2 * t32 - v_0 * t15);
+    const double t7 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
+    const double t8 = theta_dot[1] * (g->k[7] * b_22);
+    const double t9 = v_1_0 * t7 - v_2_0 * t8;
+    const double t10 = 1.0 / (t5 * v_2_1 - v_2_0 * t6);
+    const double t11 = g->e_1[0] * t9 * t10;
+    const double t12 = v_2_1 * t8 - v_1_1 * t7;
+    const double t13 = t10 * (x_0 * t12);
+    const double s_dot_0 = t11 + t13 - theta_dot[0] * (e_2_0 * d_0);
+    const double t14 = t10 * (g->e_1[1] * t9);
+    const double t15 = t10 * (x_1 * t12);
+    const double s_dot_1 = t14 + t15 - theta_dot[0] * (e_2_1 * d_0);
+    const double t16 = t10 * (g->e_1[2] * t9);
+    const double t17 = t10 * (x_2 * t12);
+    const double s_dot_2 = t16 + t17 - theta_dot[0] * (e_2_2 * d_0);
+    const double t18 = theta_dot[0] * sin_1;
+    const double t19 = theta_dot[0] * cos_1;
+    const double t20 = g->e_x[0] * t18 + g->e_t[0] * t19;
+    const double t21 = g->e_x[1] * t18 + g->e_t[1] * t19;
+    const double t22 = g->e_x[2] * t18;
+    const double t23 = x_0 * s_dot_0 - arm_0 * t20 + (x_1 * s_dot_1 - arm_1 * t21) + (x_2 * s_dot_2 - arm_2 * t22);
+    const double t24 = g->l_4 * (theta_dot[1] * t1);
+    const double t25 = g->l_4 * (theta_dot[1] * t2);
+    const double t26 = g->l_2 * (theta_dot[2] * t3);
+    const double t27 = g->l_2 * (theta_dot[2] * t4);
+    const double t28 = t23 + t24;
+    const double t29 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - t25;
+    const double t30 = g->k[7] * t28;
+    const double t31 = t26 + (t30 - t24);
+    const double t32 = g->k[7] * t29;
+    const double t33 = t25 + t32 - t27;
+    const double t34 = theta_dot[1] * (g->k[13] * (v_2_0 * t25 + u_1_1 * t31 - (u_1_0 * t33 - v_2_1 * t24)));
+    const double t35 = t34 + theta_dot[2] * (u_2_0 * t33 - v_2_1 * t26 - (v_2_0 * t27 + u_2_1 * t31));
+    const double t36 = theta_dot[1] * (g->k[7] * (u_1_0 * t29 - v_1_1 * t24 - (v_1_0 * t25 + u_1_1 * t28)));
+    const double t37 = t7 * t28 + v_1_0 * t35 - (t8 * t31 + v_2_0 * t36);
+    const double t38 = v_2_1 * t30 + t5 * t33 - (t6 * t31 + v_2_0 * t32);
+    const double t39 = t8 * t33 + v_2_1 * t36 - (t7 * t29 + v_1_1 * t35);
+    const double t40 = t10 * (g->e_1[0] * t37 - t11 * t38) + t10 * (x_0 * t39 - t12 * t20 - t13 * t38);
+    const double t41 = t10 * (g->e_1[1] * t37 - t14 * t38) + t10 * (x_1 * t39 - t12 * t21 - t15 * t38);
+    const double t42 = t10 * (g->e_1[2] * t37 - t16 * t38) + t10 * (x_2 * t39 - t12 * t22 - t17 * t38);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = bias_0;
-    bias[1] = bias_1;
-    bias[2] = bias_2;
+    bias[0] = t40 - theta_dot[0] * (d_0 * (g->e_x[0] * t19 - g->e_t[0] * t18) + e_2_0 * t23);
+    bias[1] = t41 - theta_dot[0] * (d_0 * (g->e_x[1] * t19 - g->e_t[1] * t18) + e_2_1 * t23);
+    bias[2] = t42 - theta_dot[0] * (d_0 * (g->e_x[2] * t19) + e_2_2 * t23);
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (29 add, 47 multiply, 6 divide, 3 sine cosine, 5 select) */
-static inline void krhpr_subleg_r_fivebar_rates(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+ * so it serves accelerations too.  Thesis: (1.9).  (18 add, 27 multiply, 6 divide, 5 select) */
+static inline void krhpr_subleg_r_fivebar_rates(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
-    const double v_2_0 = u_1_0 + v_1_0 * g->k[7] - u_2_0; /* (1.15) */
-    const double v_2_1 = u_1_1 + v_1_1 * g->k[7] - u_2_1;
-    const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double v_0 = x_0 * s_dot[0] + x_1 * s_dot[1] + x_2 * s_dot[2]; /* velocity in the leg's frame */
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - u_2[1];
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double v_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const double v_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_2 = e_2_0 * s_dot[0] + e_2_1 * s_dot[1] + e_2_2 * s_dot[2];
+    const double v_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const double w_1 = v_1_0 * v_0 + v_1_1 * v_1; /* A s_dot */
     const double w_2 = v_2_0 * (g->k[7] * v_0) + v_2_1 * (g->k[7] * v_1);
-    const double t5 = 1.0 / b_22;
-    const double regularity_a = krhpr_min(krhpr_min(fabs(r / g->k[15]), fabs(b_22 / g->k[16])), fabs(b_33 / g->k[17]));
-    theta_dot[0] = -v_2 / r;
-    theta_dot[1] = w_1 * t5;
-    theta_dot[2] = (w_2 - t5 * (b_32 * w_1)) / b_33;
+    const double t1 = 1.0 / b_22;
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] / g->k[15]), fabs(b_22 / g->k[16])), fabs(b_33 / g->k[17]));
+    theta_dot[0] = -v_2 / d[0];
+    theta_dot[1] = w_1 * t1;
+    theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
     *regularity = regularity_a;
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
- * 1.4.  (19 add, 26 multiply, 5 divide, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+ * 1.4.  (10 add, 11 multiply, 5 divide) */
+static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
-    const double v_2_0 = u_1_0 + v_1_0 * g->k[7] - u_2_0; /* (1.15) */
-    const double v_2_1 = u_1_1 + v_1_1 * g->k[7] - u_2_1;
-    const double t5 = u_1_0 * v_1_1;
-    const double t6 = u_1_1 * v_1_0;
-    const double b_22 = t5 - t6; /* v_1^T (e_2 x u_1) */
-    const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - u_2[1];
+    const double t1 = u_1[0] * v_1_1;
+    const double t2 = u_1[1] * v_1_0;
+    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = r * (b_33 * (t6 - t5)) / (g->k[7] * delta);
-    factors[0] = r / g->k[15];
+    *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[7] * delta);
+    factors[0] = d[0] / g->k[15];
     factors[1] = b_22 / g->k[16];
     factors[2] = b_33 / g->k[17];
     factors[3] = delta / g->k[14];
 }
 
-/* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (29 add, 48 multiply, 3
- * sine cosine, 3 arctangent) */
-static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT link)
+/* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply, 3
+ * arctangent) */
+static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT link)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    const double v_1_0 = r - u_1_0; /* (1.14) */
-    const double v_1_1 = y - u_1_1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
-    const double v_2_0 = u_1_0 + v_1_0 * g->k[19] - u_2_0; /* (1.15) */
-    const double v_2_1 = u_1_1 + v_1_1 * g->k[19] - u_2_1;
-    const double dir_0 = v_1_0 * g->k[18]; /* direction of the distal link in (x, e_1) */
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[19] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[19] - u_2[1];
+    const double dir_0 = v_1_0 * g->k[18]; /* direction of the link in (x, e_1) */
     const double dir_1 = v_1_1 * g->k[18];
-    const double along_0 = x_0 * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = x_1 * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = x_2 * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - x_0 * dir_1; /* e_2 x along */
-    const double across_1 = g->e_1[1] * dir_0 - x_1 * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - x_2 * dir_1;
-    passive[0] = krhpr_atan2(u_1_0 * v_1_1 - u_1_1 * v_1_0, u_1_0 * v_1_0 + u_1_1 * v_1_1);
-    passive[1] = krhpr_atan2(u_2_0 * v_2_1 - u_2_1 * v_2_0, u_2_0 * v_2_0 + u_2_1 * v_2_1);
+    const double along_0 = x[0] * dir_0 + g->e_1[0] * dir_1;
+    const double along_1 = x[1] * dir_0 + g->e_1[1] * dir_1;
+    const double along_2 = x[2] * dir_0 + g->e_1[2] * dir_1;
+    const double across_0 = g->e_1[0] * dir_0 - x[0] * dir_1; /* e_2 x along */
+    const double across_1 = g->e_1[1] * dir_0 - x[1] * dir_1;
+    const double across_2 = g->e_1[2] * dir_0 - x[2] * dir_1;
+    passive[0] = krhpr_atan2(u_1[0] * v_1_1 - u_1[1] * v_1_0, u_1[0] * v_1_0 + u_1[1] * v_1_1);
+    passive[1] = krhpr_atan2(u_2[0] * v_2_1 - u_2[1] * v_2_0, u_2[0] * v_2_0 + u_2[1] * v_2_1);
     passive[2] = krhpr_atan2(v_1_1 * v_2_0 - v_1_0 * v_2_1, v_1_0 * v_2_0 + v_1_1 * v_2_1);
     link[0] = along_0;
     link[1] = across_0;
-    link[2] = e_2_0;
+    link[2] = e_2[0];
     link[3] = along_1;
     link[4] = across_1;
-    link[5] = e_2_1;
+    link[5] = e_2[1];
     link[6] = along_2;
     link[7] = across_2;
-    link[8] = e_2_2;
+    link[8] = e_2[2];
 }
 
 #endif

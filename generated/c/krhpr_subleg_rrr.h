@@ -24,12 +24,12 @@ typedef struct {
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction, e_2 at theta_1 = 0 */
-    double k[7]; /* sub-expressions of the geometry alone, computed once */
+    double k[8]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_rrr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 16 multiply, 2 sine cosine, 1
- * select) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 16 multiply, 1 divide, 2 sine
+ * cosine, 1 select) */
 static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
@@ -57,24 +57,57 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     g->k[4] = fabs(t4);
     g->k[5] = k_5;
     g->k[6] = g->l_2 * g->l_3;
+    g->k[7] = 1.0 / g->l_3;
 }
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 15 multiply, 3 sine
  * cosine) */
 static inline void krhpr_subleg_rrr_forward(const krhpr_subleg_rrr_geometry *g, const double theta[3], double *KRHPR_RESTRICT s)
 {
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double t3 = theta[1] + theta[2];
-    double t4, t5; krhpr_sincos(t3, &t4, &t5);
-    const double r = g->l_2 * t2 + g->l_3 * t5;
-    const double y = g->l_2 * t1 + g->l_3 * t4;
-    double t6, t7; krhpr_sincos(theta[0], &t6, &t7);
-    const double x_0 = g->e_x[0] * t7 - g->e_t[0] * t6; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * t7 - g->e_t[1] * t6;
-    const double x_2 = g->e_x[2] * t7;
-    s[0] = g->c[0] + g->e_1[0] * y + r * x_0;
-    s[1] = g->c[1] + g->e_1[1] * y + r * x_1;
-    s[2] = g->c[2] + g->e_1[2] * y + r * x_2;
+    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
+    const double t1 = theta[1] + theta[2];
+    double t2, t3; krhpr_sincos(t1, &t2, &t3);
+    const double v_1_0 = g->l_3 * t3; /* link i3 in (x, e_1) */
+    const double v_1_1 = g->l_3 * t2;
+    double t4, t5; krhpr_sincos(theta[1], &t4, &t5);
+    const double d_0 = v_1_0 + g->l_2 * t5; /* s - c in (x, e_1) */
+    const double d_1 = v_1_1 + g->l_2 * t4;
+    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+}
+
+/* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (13 add, 20 multiply, 3
+ * sine cosine) */
+static inline void krhpr_subleg_rrr_forward_posture(const krhpr_subleg_rrr_geometry *g, const double theta[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+{
+    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
+    const double t1 = theta[1] + theta[2];
+    double t2, t3; krhpr_sincos(t1, &t2, &t3);
+    const double v_1_0 = g->l_3 * t3; /* link i3 in (x, e_1) */
+    const double v_1_1 = g->l_3 * t2;
+    double t4, t5; krhpr_sincos(theta[1], &t4, &t5);
+    const double d_0 = v_1_0 + g->l_2 * t5; /* s - c in (x, e_1) */
+    const double d_1 = v_1_1 + g->l_2 * t4;
+    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    x[0] = x_0;
+    x[1] = x_1;
+    x[2] = x_2;
+    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
+    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
+    e_2[2] = g->e_x[2] * sin_1;
+    d[0] = d_0;
+    d[1] = d_1;
+    v_1[0] = v_1_0;
+    v_1[1] = v_1_1;
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
@@ -154,98 +187,77 @@ static inline void krhpr_subleg_rrr_reach(const krhpr_subleg_rrr_geometry *g, co
     *excess = krhpr_max(distance - g->l_2 - g->l_3, g->k[4] - distance);
 }
 
-/* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (19 add, 33 multiply, 2
- * sine cosine) */
-static inline void krhpr_subleg_rrr_jacobian(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT M)
+/* Posture of the RRR sub-leg: the vectors that its velocity equations are made of.  Thesis: 1.5, 2.5.  (13
+ * add, 18 multiply, 2 sine cosine) */
+static inline void krhpr_subleg_rrr_posture(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
     const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
     const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double sin_2, cos_2; krhpr_sincos(theta[1], &sin_2, &cos_2);
-    const double v_1_0 = r - g->l_2 * cos_2; /* s - c - u_1 in the linkage plane */
-    const double m_02 = g->l_2 * sin_2 - y; /* A^-1 B in the leg's frame */
-    M[0] = -e_2_0 * r;
-    M[1] = g->e_1[0] * r - x_0 * y;
-    M[2] = g->e_1[0] * v_1_0 + x_0 * m_02;
-    M[3] = -e_2_1 * r;
-    M[4] = g->e_1[1] * r - x_1 * y;
-    M[5] = g->e_1[1] * v_1_0 + x_1 * m_02;
-    M[6] = -e_2_2 * r;
-    M[7] = g->e_1[2] * r - x_2 * y;
-    M[8] = g->e_1[2] * v_1_0 + x_2 * m_02;
+    const double arm_0 = s[0] - g->c[0]; /* s - c */
+    const double arm_1 = s[1] - g->c[1];
+    const double arm_2 = s[2] - g->c[2];
+    const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
+    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
+    x[0] = x_0;
+    x[1] = x_1;
+    x[2] = x_2;
+    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
+    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
+    e_2[2] = g->e_x[2] * sin_1;
+    d[0] = d_0;
+    d[1] = d_1;
+    v_1[0] = d_0 - g->l_2 * t2;
+    v_1[1] = d_1 - g->l_2 * t1;
+}
+
+/* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 15 multiply) */
+static inline void krhpr_subleg_rrr_jacobian(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], double *KRHPR_RESTRICT M)
+{
+    M[0] = -e_2[0] * d[0];
+    M[1] = g->e_1[0] * d[0] - x[0] * d[1];
+    M[2] = g->e_1[0] * v_1[0] - x[0] * v_1[1];
+    M[3] = -e_2[1] * d[0];
+    M[4] = g->e_1[1] * d[0] - x[1] * d[1];
+    M[5] = g->e_1[1] * v_1[0] - x[1] * v_1[1];
+    M[6] = -e_2[2] * d[0];
+    M[7] = g->e_1[2] * d[0] - x[2] * d[1];
+    M[8] = g->e_1[2] * v_1[0] - x[2] * v_1[1];
 }
 
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
- * Thesis: (1.8), (1.28).  (29 add, 46 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_rrr_project(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], const double N[6], double *KRHPR_RESTRICT K)
+ * Thesis: (1.8), (1.28).  (16 add, 28 multiply) */
+static inline void krhpr_subleg_rrr_project(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double N[6], double *KRHPR_RESTRICT K)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double sin_2, cos_2; krhpr_sincos(theta[1], &sin_2, &cos_2);
-    const double v_1_0 = r - g->l_2 * cos_2; /* s - c - u_1 in the linkage plane */
-    const double m_02 = g->l_2 * sin_2 - y; /* A^-1 B in the leg's frame */
-    const double n_00 = x_0 * N[0] + x_1 * N[1] + x_2 * N[2]; /* N in the leg's frame */
+    const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2];
     const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
-    const double n_02 = e_2_0 * N[0] + e_2_1 * N[1] + e_2_2 * N[2];
-    const double n_10 = x_0 * N[3] + x_1 * N[4] + x_2 * N[5];
+    const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
     const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
-    const double n_12 = e_2_0 * N[3] + e_2_1 * N[4] + e_2_2 * N[5];
-    K[0] = -r * n_02;
-    K[1] = r * n_01 - y * n_00;
-    K[2] = m_02 * n_00 + v_1_0 * n_01;
-    K[3] = -r * n_12;
-    K[4] = r * n_11 - y * n_10;
-    K[5] = m_02 * n_10 + v_1_0 * n_11;
+    const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    K[0] = -d[0] * n_02;
+    K[1] = d[0] * n_01 - d[1] * n_00;
+    K[2] = v_1[0] * n_01 - v_1[1] * n_00;
+    K[3] = -d[0] * n_12;
+    K[4] = d[0] * n_11 - d[1] * n_10;
+    K[5] = v_1[0] * n_11 - v_1[1] * n_10;
 }
 
-/* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (21 add, 32 multiply, 2 sine
- * cosine) */
-static inline void krhpr_subleg_rrr_velocity(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
+/* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (8 add, 14 multiply) */
+static inline void krhpr_subleg_rrr_velocity(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double sin_2, cos_2; krhpr_sincos(theta[1], &sin_2, &cos_2);
-    const double v_1_0 = r - g->l_2 * cos_2; /* s - c - u_1 in the linkage plane */
-    const double v_1_1 = y - g->l_2 * sin_2;
-    const double t1 = y * theta_dot[1] + v_1_1 * theta_dot[2];
-    const double w_1 = r * theta_dot[1] + v_1_0 * theta_dot[2]; /* B theta_dot */
-    const double t2 = r * theta_dot[0];
-    s_dot[0] = g->e_1[0] * w_1 - e_2_0 * t2 - x_0 * t1;
-    s_dot[1] = g->e_1[1] * w_1 - e_2_1 * t2 - x_1 * t1;
-    s_dot[2] = g->e_1[2] * w_1 - e_2_2 * t2 - x_2 * t1;
+    const double t1 = d[1] * theta_dot[1] + v_1[1] * theta_dot[2];
+    const double w_1 = d[0] * theta_dot[1] + v_1[0] * theta_dot[2]; /* B theta_dot */
+    const double t2 = d[0] * theta_dot[0];
+    s_dot[0] = g->e_1[0] * w_1 - e_2[0] * t2 - x[0] * t1;
+    s_dot[1] = g->e_1[1] * w_1 - e_2[1] * t2 - x[1] * t1;
+    s_dot[2] = g->e_1[2] * w_1 - e_2[2] * t2 - x[2] * t1;
 }
 
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
- * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 77 multiply, 2 sine cosine) */
+ * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
@@ -255,33 +267,31 @@ static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, con
     const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
     const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
     const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double sin_2, cos_2; krhpr_sincos(theta[1], &sin_2, &cos_2);
-    const double v_1_0 = r - g->l_2 * cos_2; /* s - c - u_1 in the linkage plane */
-    const double v_1_1 = y - g->l_2 * sin_2;
-    const double t1 = theta_dot[1] * y + theta_dot[2] * v_1_1;
-    const double w_1 = theta_dot[1] * r + theta_dot[2] * v_1_0; /* B theta_dot */
-    const double t2 = theta_dot[0] * r;
-    const double s_dot_0 = g->e_1[0] * w_1 - e_2_0 * t2 - x_0 * t1;
-    const double s_dot_1 = g->e_1[1] * w_1 - e_2_1 * t2 - x_1 * t1;
-    const double s_dot_2 = g->e_1[2] * w_1 - e_2_2 * t2 - x_2 * t1;
-    const double t3 = theta_dot[0] * sin_1;
-    const double t4 = theta_dot[0] * cos_1;
-    const double t5 = g->e_x[0] * t3 + g->e_t[0] * t4;
-    const double t6 = g->e_x[1] * t3 + g->e_t[1] * t4;
-    const double t7 = g->e_x[2] * t3;
-    const double t8 = x_0 * s_dot_0 - d_0 * t5 + (x_1 * s_dot_1 - d_1 * t6) + (x_2 * s_dot_2 - d_2 * t7);
-    const double t9 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
-    const double t10 = theta_dot[1] * t9 + theta_dot[2] * (t9 - g->l_2 * (theta_dot[1] * cos_2));
-    const double t11 = theta_dot[1] * t8 + theta_dot[2] * (t8 + g->l_2 * (theta_dot[1] * sin_2));
-    const double t12 = theta_dot[0] * t8;
-    const double bias_0 = g->e_1[0] * t11 - (t2 * (g->e_x[0] * t4 - g->e_t[0] * t3) + e_2_0 * t12) - (x_0 * t10 - t1 * t5);
-    const double bias_1 = g->e_1[1] * t11 - (t2 * (g->e_x[1] * t4 - g->e_t[1] * t3) + e_2_1 * t12) - (x_1 * t10 - t1 * t6);
-    const double bias_2 = g->e_1[2] * t11 - (t2 * (g->e_x[2] * t4) + e_2_2 * t12) - (x_2 * t10 - t1 * t7);
+    const double arm_0 = s[0] - g->c[0]; /* s - c */
+    const double arm_1 = s[1] - g->c[1];
+    const double arm_2 = s[2] - g->c[2];
+    const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
+    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
+    const double v_1_0 = d_0 - g->l_2 * t2; /* s - c - u_1 */
+    const double v_1_1 = d_1 - g->l_2 * t1;
+    const double t3 = theta_dot[1] * d_0 + theta_dot[2] * v_1_0;
+    const double t4 = theta_dot[1] * d_1 + theta_dot[2] * v_1_1;
+    const double s_dot_0 = g->e_1[0] * t3 - x_0 * t4 - theta_dot[0] * (e_2_0 * d_0);
+    const double s_dot_1 = g->e_1[1] * t3 - x_1 * t4 - theta_dot[0] * (e_2_1 * d_0);
+    const double s_dot_2 = g->e_1[2] * t3 - x_2 * t4 - theta_dot[0] * (e_2_2 * d_0);
+    const double t5 = theta_dot[0] * sin_1;
+    const double t6 = theta_dot[0] * cos_1;
+    const double t7 = g->e_x[0] * t5 + g->e_t[0] * t6;
+    const double t8 = g->e_x[1] * t5 + g->e_t[1] * t6;
+    const double t9 = g->e_x[2] * t5;
+    const double t10 = x_0 * s_dot_0 - arm_0 * t7 + (x_1 * s_dot_1 - arm_1 * t8) + (x_2 * s_dot_2 - arm_2 * t9);
+    const double t11 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
+    const double t12 = theta_dot[1] * t10 + theta_dot[2] * (t10 + g->l_2 * (theta_dot[1] * t1));
+    const double t13 = theta_dot[1] * t11 + theta_dot[2] * (t11 - g->l_2 * (theta_dot[1] * t2));
+    const double bias_0 = g->e_1[0] * t12 - (x_0 * t13 - t4 * t7) - theta_dot[0] * (d_0 * (g->e_x[0] * t6 - g->e_t[0] * t5) + e_2_0 * t10);
+    const double bias_1 = g->e_1[1] * t12 - (x_1 * t13 - t4 * t8) - theta_dot[0] * (d_0 * (g->e_x[1] * t6 - g->e_t[1] * t5) + e_2_1 * t10);
+    const double bias_2 = g->e_1[2] * t12 - (x_2 * t13 - t4 * t9) - theta_dot[0] * (d_0 * (g->e_x[2] * t6) + e_2_2 * t10);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -291,86 +301,50 @@ static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, con
 }
 
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
- * serves accelerations too.  Thesis: (1.9).  (23 add, 38 multiply, 4 divide, 2 sine cosine, 3 select) */
-static inline void krhpr_subleg_rrr_rates(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+ * serves accelerations too.  Thesis: (1.9).  (9 add, 17 multiply, 4 divide, 3 select) */
+static inline void krhpr_subleg_rrr_rates(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double sin_2, cos_2; krhpr_sincos(theta[1], &sin_2, &cos_2);
-    const double v_1_0 = r - g->l_2 * cos_2; /* s - c - u_1 in the linkage plane */
-    const double v_1_1 = y - g->l_2 * sin_2;
-    const double elbow = g->l_2 * (cos_2 * v_1_1 - sin_2 * v_1_0); /* l_2 l_3 sin(theta_3) */
-    const double v_0 = x_0 * s_dot[0] + x_1 * s_dot[1] + x_2 * s_dot[2]; /* velocity in the leg's frame */
-    const double v_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_2 = e_2_0 * s_dot[0] + e_2_1 * s_dot[1] + e_2_2 * s_dot[2];
-    const double t1 = 1.0 / (r * v_1_1 - y * v_1_0);
-    theta_dot[0] = -v_2 / r;
-    theta_dot[1] = (v_1_0 * v_0 + v_1_1 * v_1) * t1;
-    theta_dot[2] = -t1 * (r * v_0 + y * v_1);
-    *regularity = krhpr_min(fabs(r / g->k[5]), fabs(elbow / g->k[6]));
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* u_1 x v_1 = l_2 l_3 sin(theta_3) */
+    const double v_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
+    const double v_1_a = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
+    const double v_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
+    const double t1 = 1.0 / elbow;
+    theta_dot[0] = -v_2 / d[0];
+    theta_dot[1] = (v_1[0] * v_0 + v_1[1] * v_1_a) * t1;
+    theta_dot[2] = -t1 * (d[0] * v_0 + d[1] * v_1_a);
+    *regularity = krhpr_min(fabs(d[0] / g->k[5]), fabs(elbow / g->k[6]));
 }
 
-/* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (12 add, 17
- * multiply, 2 divide, 2 sine cosine) */
-static inline void krhpr_subleg_rrr_determinant(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+/* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1 add, 3
+ * multiply, 2 divide) */
+static inline void krhpr_subleg_rrr_determinant(const krhpr_subleg_rrr_geometry *g, const double d[2], const double v_1[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
-    double sin_2, cos_2; krhpr_sincos(theta[1], &sin_2, &cos_2);
-    const double v_1_0 = r - g->l_2 * cos_2; /* s - c - u_1 in the linkage plane */
-    const double v_1_1 = y - g->l_2 * sin_2;
-    const double elbow = g->l_2 * (cos_2 * v_1_1 - sin_2 * v_1_0); /* l_2 l_3 sin(theta_3) */
-    *det_M = -r * elbow;
-    factors[0] = r / g->k[5];
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0];
+    *det_M = -d[0] * elbow;
+    factors[0] = d[0] / g->k[5];
     factors[1] = elbow / g->k[6];
 }
 
-/* Passive joints of the RRR sub-leg and the orientation of its last link.  (11 add, 22 multiply, 2 sine
- * cosine) */
-static inline void krhpr_subleg_rrr_passive(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT link)
+/* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
+static inline void krhpr_subleg_rrr_passive(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double v_1[2], double *KRHPR_RESTRICT link)
 {
-    (void)(s);
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double t1 = theta[1] + theta[2];
-    double t2, t3; krhpr_sincos(t1, &t2, &t3);
-    const double along_0 = g->e_1[0] * t2 + x_0 * t3; /* direction of link i3 */
-    const double along_1 = g->e_1[1] * t2 + x_1 * t3;
-    const double along_2 = g->e_1[2] * t2 + x_2 * t3;
-    const double across_0 = g->e_1[0] * t3 - x_0 * t2; /* e_2 x along */
-    const double across_1 = g->e_1[1] * t3 - x_1 * t2;
-    const double across_2 = g->e_1[2] * t3 - x_2 * t2;
+    const double dir_0 = v_1[0] * g->k[7]; /* direction of the link in (x, e_1) */
+    const double dir_1 = v_1[1] * g->k[7];
+    const double along_0 = x[0] * dir_0 + g->e_1[0] * dir_1;
+    const double along_1 = x[1] * dir_0 + g->e_1[1] * dir_1;
+    const double along_2 = x[2] * dir_0 + g->e_1[2] * dir_1;
+    const double across_0 = g->e_1[0] * dir_0 - x[0] * dir_1; /* e_2 x along */
+    const double across_1 = g->e_1[1] * dir_0 - x[1] * dir_1;
+    const double across_2 = g->e_1[2] * dir_0 - x[2] * dir_1;
     link[0] = along_0;
     link[1] = across_0;
-    link[2] = e_2_0;
+    link[2] = e_2[0];
     link[3] = along_1;
     link[4] = across_1;
-    link[5] = e_2_1;
+    link[5] = e_2[1];
     link[6] = along_2;
     link[7] = across_2;
-    link[8] = e_2_2;
+    link[8] = e_2[2];
 }
 
 #endif

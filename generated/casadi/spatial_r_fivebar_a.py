@@ -129,7 +129,8 @@ def subleg_jacobian(geometry: Any) -> Any:
     M: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        M_i, regularity_i = subleg.jacobian(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        M_i, regularity_i = subleg.jacobian(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i)
         M += M_i
     return call.function({"M": M})
 
@@ -178,7 +179,8 @@ def jacobians(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         J_i, N_i = platform.rows(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        K_i, regularity_i = subleg.project(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), N_i)
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        K_i, regularity_i = subleg.project(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, N_i)
         J += J_i
         K += K_i
     return call.function({"J": J, "K": K})
@@ -205,7 +207,8 @@ def jacobian_blocks(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         J_i, N_i = platform.rows(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        K_i, regularity_i = subleg.project(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), N_i)
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        K_i, regularity_i = subleg.project(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, N_i)
         J += J_i
         K += K_i
     return call.function({"J": J, "K": K})
@@ -304,7 +307,8 @@ def twist(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         line_i, point_i, N_i, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        s_dot_i, regularity_i = subleg.velocity(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        s_dot_i, regularity_i = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, call.leg("theta_dot", i))
         rate_i = algebra.rate(N_i, s_dot_i)
         line += line_i
         point += point_i
@@ -334,7 +338,8 @@ def joint_rates(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_dot_i = platform.end_velocity(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i))
-        theta_dot_i, regularity_i = subleg.rates(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), s_dot_i)
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        theta_dot_i, regularity_i = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, s_dot_i)
         theta_dot += theta_dot_i
     return call.function({"theta_dot": theta_dot})
 
@@ -365,7 +370,8 @@ def platform_acceleration(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         line_i, point_i, N_i, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         s_dot_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
-        along_i, regularity_i = subleg.velocity(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_ddot", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        along_i, regularity_i = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, call.leg("theta_ddot", i))
         s_ddot_i = algebra.sum(along_i, bias_i)
         row_bias_i = platform.row_bias(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), s_dot_i)
         rate_i = algebra.rate_with_bias(N_i, s_ddot_i, row_bias_i)
@@ -403,7 +409,8 @@ def joint_accelerations(geometry: Any) -> Any:
         s_dot_i, s_ddot_i = platform.end_acceleration(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
         s_dot_again_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)
-        theta_ddot_i, regularity_i = subleg.rates(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), along_i)
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        theta_ddot_i, regularity_i = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, along_i)
         theta_ddot += theta_ddot_i
     return call.function({"theta_ddot": theta_ddot})
 
@@ -430,7 +437,8 @@ def passive_joints(geometry: Any) -> Any:
     spherical: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        passive_i, link_i = subleg.passive(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        passive_i, link_i = subleg.passive(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i)
         redundant_link_i, platform_joint_i = platform.joint(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         spherical_i = algebra.wrist(link_i, redundant_link_i)
         passive += passive_i
@@ -467,7 +475,8 @@ def singularity(geometry: Any) -> Any:
     scale: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), d_i, u_1_i, u_2_i)
         line_i, point_i, N_i, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         type_1 += type_1_i
         factors += factors_i

@@ -45,7 +45,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_r_0, 0,),
-        k=(t4 * t4, k_5 * k_5, l_2 * l_2, l_3 * l_3, ca.fabs(t4), k_5, l_2 * l_3,),
+        k=(t4 * t4, k_5 * k_5, l_2 * l_2, l_3 * l_3, ca.fabs(t4), k_5, l_2 * l_3, 1 / l_3,),
     )
 
 
@@ -53,18 +53,61 @@ def forward(g: Any, theta: Any) -> tuple[Any, ...]:
     """End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 15 multiply, 3
     sine cosine)"""
     theta_0, theta_1, theta_2 = theta
+    cos_1 = ca.cos(theta_0)
+    sin_1 = ca.sin(theta_0)
+    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
+    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
+    x_2 = g.e_x[2] * cos_1
     t1 = theta_1 + theta_2
-    r = g.l_2 * ca.cos(theta_1) + g.l_3 * ca.cos(t1)
-    y = g.l_2 * ca.sin(theta_1) + g.l_3 * ca.sin(t1)
-    t2 = ca.cos(theta_0)
-    t3 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * t2 - g.e_t[0] * t3  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * t2 - g.e_t[1] * t3
-    x_2 = g.e_x[2] * t2
+    v_1_0 = g.l_3 * ca.cos(t1)  # link i3 in (x, e_1)
+    v_1_1 = g.l_3 * ca.sin(t1)
+    d_0 = v_1_0 + g.l_2 * ca.cos(theta_1)  # s - c in (x, e_1)
+    d_1 = v_1_1 + g.l_2 * ca.sin(theta_1)
     return (
-        g.c[0] + g.e_1[0] * y + r * x_0,
-        g.c[1] + g.e_1[1] * y + r * x_1,
-        g.c[2] + g.e_1[2] * y + r * x_2,
+        g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
+        g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
+        g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+    )
+
+
+def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (13 add, 20
+    multiply, 3 sine cosine)"""
+    theta_0, theta_1, theta_2 = theta
+    cos_1 = ca.cos(theta_0)
+    sin_1 = ca.sin(theta_0)
+    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
+    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
+    x_2 = g.e_x[2] * cos_1
+    t1 = theta_1 + theta_2
+    v_1_0 = g.l_3 * ca.cos(t1)  # link i3 in (x, e_1)
+    v_1_1 = g.l_3 * ca.sin(t1)
+    d_0 = v_1_0 + g.l_2 * ca.cos(theta_1)  # s - c in (x, e_1)
+    d_1 = v_1_1 + g.l_2 * ca.sin(theta_1)
+    return (
+        (  # s
+            g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
+            g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
+            g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+        ),
+        (  # x
+            x_0,
+            x_1,
+            x_2,
+        ),
+        (  # e_2
+            g.e_t[0] * cos_1 + g.e_x[0] * sin_1,
+            g.e_t[1] * cos_1 + g.e_x[1] * sin_1,
+            g.e_x[2] * sin_1,
+        ),
+        (  # d
+            d_0,
+            d_1,
+        ),
+        (  # v_1
+            v_1_0,
+            v_1_1,
+        ),
     )
 
 
@@ -161,9 +204,9 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     )
 
 
-def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (19 add, 33
-    multiply, 2 sine cosine)"""
+def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
+    """Posture of the RRR sub-leg: the vectors that its velocity equations are made of.  Thesis: 1.5,
+    2.5.  (13 add, 18 multiply, 2 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
     cos_1 = ca.cos(theta_0)
@@ -171,96 +214,87 @@ def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
     x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
     x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    cos_2 = ca.cos(theta_1)
-    sin_2 = ca.sin(theta_1)
-    v_1_0 = r - g.l_2 * cos_2  # s - c - u_1 in the linkage plane
-    m_02 = g.l_2 * sin_2 - y  # A^-1 B in the leg's frame
+    arm_0 = s_0 - g.c[0]  # s - c
+    arm_1 = s_1 - g.c[1]
+    arm_2 = s_2 - g.c[2]
+    d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2  # s - c in the plane (x, e_1)
+    d_1 = g.e_1[0] * arm_0 + g.e_1[1] * arm_1 + g.e_1[2] * arm_2
     return (
-        -e_2_0 * r,
-        g.e_1[0] * r - x_0 * y,
-        g.e_1[0] * v_1_0 + x_0 * m_02,
-        -e_2_1 * r,
-        g.e_1[1] * r - x_1 * y,
-        g.e_1[1] * v_1_0 + x_1 * m_02,
-        -e_2_2 * r,
-        g.e_1[2] * r - x_2 * y,
-        g.e_1[2] * v_1_0 + x_2 * m_02,
+        (  # x
+            x_0,
+            x_1,
+            x_2,
+        ),
+        (  # e_2
+            g.e_t[0] * cos_1 + g.e_x[0] * sin_1,
+            g.e_t[1] * cos_1 + g.e_x[1] * sin_1,
+            g.e_x[2] * sin_1,
+        ),
+        (  # d
+            d_0,
+            d_1,
+        ),
+        (  # v_1
+            d_0 - g.l_2 * ca.cos(theta_1),
+            d_1 - g.l_2 * ca.sin(theta_1),
+        ),
     )
 
 
-def project(g: Any, s: Any, theta: Any, N: Any) -> tuple[Any, ...]:
+def jacobian(g: Any, x: Any, e_2: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
+    """Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 15
+    multiply)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    return (
+        -e_2_0 * d_0,
+        g.e_1[0] * d_0 - x_0 * d_1,
+        g.e_1[0] * v_1_0 - x_0 * v_1_1,
+        -e_2_1 * d_0,
+        g.e_1[1] * d_0 - x_1 * d_1,
+        g.e_1[1] * v_1_0 - x_1 * v_1_1,
+        -e_2_2 * d_0,
+        g.e_1[2] * d_0 - x_2 * d_1,
+        g.e_1[2] * v_1_0 - x_2 * v_1_1,
+    )
+
+
+def project(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's
-    lines.  Thesis: (1.8), (1.28).  (29 add, 46 multiply, 2 sine cosine)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+    lines.  Thesis: (1.8), (1.28).  (16 add, 28 multiply)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
     N_00, N_01, N_02, N_10, N_11, N_12 = N
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    cos_2 = ca.cos(theta_1)
-    sin_2 = ca.sin(theta_1)
-    v_1_0 = r - g.l_2 * cos_2  # s - c - u_1 in the linkage plane
-    m_02 = g.l_2 * sin_2 - y  # A^-1 B in the leg's frame
-    n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N in the leg's frame
+    n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
     n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
     n_10 = x_0 * N_10 + x_1 * N_11 + x_2 * N_12
     n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
     n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
     return (
-        -r * n_02,
-        r * n_01 - y * n_00,
-        m_02 * n_00 + v_1_0 * n_01,
-        -r * n_12,
-        r * n_11 - y * n_10,
-        m_02 * n_10 + v_1_0 * n_11,
+        -d_0 * n_02,
+        d_0 * n_01 - d_1 * n_00,
+        v_1_0 * n_01 - v_1_1 * n_00,
+        -d_0 * n_12,
+        d_0 * n_11 - d_1 * n_10,
+        v_1_0 * n_11 - v_1_1 * n_10,
     )
 
 
-def velocity(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (21 add, 32
-    multiply, 2 sine cosine)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+def velocity(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, theta_dot: Any) -> tuple[Any, ...]:
+    """Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (8 add, 14 multiply)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    cos_2 = ca.cos(theta_1)
-    sin_2 = ca.sin(theta_1)
-    v_1_0 = r - g.l_2 * cos_2  # s - c - u_1 in the linkage plane
-    v_1_1 = y - g.l_2 * sin_2
-    t1 = y * theta_dot_1 + v_1_1 * theta_dot_2
-    w_1 = r * theta_dot_1 + v_1_0 * theta_dot_2  # B theta_dot
-    t2 = r * theta_dot_0
+    t1 = d_1 * theta_dot_1 + v_1_1 * theta_dot_2
+    w_1 = d_0 * theta_dot_1 + v_1_0 * theta_dot_2  # B theta_dot
+    t2 = d_0 * theta_dot_0
     return (
         g.e_1[0] * w_1 - e_2_0 * t2 - x_0 * t1,
         g.e_1[1] * w_1 - e_2_1 * t2 - x_1 * t1,
@@ -270,7 +304,7 @@ def velocity(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not
-    depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 77
+    depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81
     multiply, 2 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -283,33 +317,32 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
     e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
     e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    cos_2 = ca.cos(theta_1)
-    sin_2 = ca.sin(theta_1)
-    v_1_0 = r - g.l_2 * cos_2  # s - c - u_1 in the linkage plane
-    v_1_1 = y - g.l_2 * sin_2
-    t1 = theta_dot_1 * y + theta_dot_2 * v_1_1
-    w_1 = theta_dot_1 * r + theta_dot_2 * v_1_0  # B theta_dot
-    t2 = theta_dot_0 * r
-    s_dot_0 = g.e_1[0] * w_1 - e_2_0 * t2 - x_0 * t1
-    s_dot_1 = g.e_1[1] * w_1 - e_2_1 * t2 - x_1 * t1
-    s_dot_2 = g.e_1[2] * w_1 - e_2_2 * t2 - x_2 * t1
-    t3 = theta_dot_0 * sin_1
-    t4 = theta_dot_0 * cos_1
-    t5 = g.e_x[0] * t3 + g.e_t[0] * t4
-    t6 = g.e_x[1] * t3 + g.e_t[1] * t4
-    t7 = g.e_x[2] * t3
-    t8 = x_0 * s_dot_0 - d_0 * t5 + (x_1 * s_dot_1 - d_1 * t6) + (x_2 * s_dot_2 - d_2 * t7)
-    t9 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
-    t10 = theta_dot_1 * t9 + theta_dot_2 * (t9 - g.l_2 * (theta_dot_1 * cos_2))
-    t11 = theta_dot_1 * t8 + theta_dot_2 * (t8 + g.l_2 * (theta_dot_1 * sin_2))
-    t12 = theta_dot_0 * t8
-    bias_0 = g.e_1[0] * t11 - (t2 * (g.e_x[0] * t4 - g.e_t[0] * t3) + e_2_0 * t12) - (x_0 * t10 - t1 * t5)
-    bias_1 = g.e_1[1] * t11 - (t2 * (g.e_x[1] * t4 - g.e_t[1] * t3) + e_2_1 * t12) - (x_1 * t10 - t1 * t6)
+    arm_0 = s_0 - g.c[0]  # s - c
+    arm_1 = s_1 - g.c[1]
+    arm_2 = s_2 - g.c[2]
+    d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2  # s - c in the plane (x, e_1)
+    d_1 = g.e_1[0] * arm_0 + g.e_1[1] * arm_1 + g.e_1[2] * arm_2
+    t1 = ca.cos(theta_1)
+    t2 = ca.sin(theta_1)
+    v_1_0 = d_0 - g.l_2 * t1  # s - c - u_1
+    v_1_1 = d_1 - g.l_2 * t2
+    t3 = theta_dot_1 * d_0 + theta_dot_2 * v_1_0
+    t4 = theta_dot_1 * d_1 + theta_dot_2 * v_1_1
+    s_dot_0 = g.e_1[0] * t3 - x_0 * t4 - theta_dot_0 * (e_2_0 * d_0)
+    s_dot_1 = g.e_1[1] * t3 - x_1 * t4 - theta_dot_0 * (e_2_1 * d_0)
+    s_dot_2 = g.e_1[2] * t3 - x_2 * t4 - theta_dot_0 * (e_2_2 * d_0)
+    t5 = theta_dot_0 * sin_1
+    t6 = theta_dot_0 * cos_1
+    t7 = g.e_x[0] * t5 + g.e_t[0] * t6
+    t8 = g.e_x[1] * t5 + g.e_t[1] * t6
+    t9 = g.e_x[2] * t5
+    t10 = x_0 * s_dot_0 - arm_0 * t7 + (x_1 * s_dot_1 - arm_1 * t8) + (x_2 * s_dot_2 - arm_2 * t9)
+    t11 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
+    t12 = theta_dot_1 * t10 + theta_dot_2 * (t10 + g.l_2 * (theta_dot_1 * t2))
+    t13 = theta_dot_1 * t11 + theta_dot_2 * (t11 - g.l_2 * (theta_dot_1 * t1))
+    bias_0 = g.e_1[0] * t12 - (x_0 * t13 - t4 * t7) - theta_dot_0 * (d_0 * (g.e_x[0] * t6 - g.e_t[0] * t5) + e_2_0 * t10)
+    bias_1 = g.e_1[1] * t12 - (x_1 * t13 - t4 * t8) - theta_dot_0 * (d_0 * (g.e_x[1] * t6 - g.e_t[1] * t5) + e_2_1 * t10)
+    bias_2 = g.e_1[2] * t12 - (x_2 * t13 - t4 * t9) - theta_dot_0 * (d_0 * (g.e_x[2] * t6) + e_2_2 * t10)
     return (
         (  # s_dot
             s_dot_0,
@@ -319,104 +352,67 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
         (  # bias
             bias_0,
             bias_1,
-            g.e_1[2] * t11 - (t2 * (g.e_x[2] * t4) + e_2_2 * t12) - (x_2 * t10 - t1 * t7),
+            bias_2,
         ),
     )
 
 
-def rates(g: Any, s: Any, theta: Any, s_dot: Any) -> tuple[Any, ...]:
+def rates(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (23 add, 38 multiply, 4 divide, 2 sine
-    cosine, 3 select)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (9 add, 17 multiply, 4 divide, 3
+    select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
     s_dot_0, s_dot_1, s_dot_2 = s_dot
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    cos_2 = ca.cos(theta_1)
-    sin_2 = ca.sin(theta_1)
-    v_1_0 = r - g.l_2 * cos_2  # s - c - u_1 in the linkage plane
-    v_1_1 = y - g.l_2 * sin_2
-    elbow = g.l_2 * (cos_2 * v_1_1 - sin_2 * v_1_0)  # l_2 l_3 sin(theta_3)
+    elbow = d_0 * v_1_1 - d_1 * v_1_0  # u_1 x v_1 = l_2 l_3 sin(theta_3)
     v_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
-    v_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
+    v_1_a = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
-    t1 = 1 / (r * v_1_1 - y * v_1_0)
+    t1 = 1 / elbow
     return (
         (  # theta_dot
-            -v_2 / r,
-            (v_1_0 * v_0 + v_1_1 * v_1) * t1,
-            -t1 * (r * v_0 + y * v_1),
+            -v_2 / d_0,
+            (v_1_0 * v_0 + v_1_1 * v_1_a) * t1,
+            -t1 * (d_0 * v_0 + d_1 * v_1_a),
         ),
         (  # regularity
-            ca.fmin(ca.fabs(r / g.k[5]), ca.fabs(elbow / g.k[6])),
+            ca.fmin(ca.fabs(d_0 / g.k[5]), ca.fabs(elbow / g.k[6])),
         ),
     )
 
 
-def determinant(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (12
-    add, 17 multiply, 2 divide, 2 sine cosine)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    cos_2 = ca.cos(theta_1)
-    sin_2 = ca.sin(theta_1)
-    v_1_0 = r - g.l_2 * cos_2  # s - c - u_1 in the linkage plane
-    v_1_1 = y - g.l_2 * sin_2
-    elbow = g.l_2 * (cos_2 * v_1_1 - sin_2 * v_1_0)  # l_2 l_3 sin(theta_3)
+def determinant(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
+    """det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1
+    add, 3 multiply, 2 divide)"""
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    elbow = d_0 * v_1_1 - d_1 * v_1_0
     return (
         (  # det_M
-            -r * elbow,
+            -d_0 * elbow,
         ),
         (  # factors
-            r / g.k[5],
+            d_0 / g.k[5],
             elbow / g.k[6],
         ),
     )
 
 
-def passive(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Passive joints of the RRR sub-leg and the orientation of its last link.  (11 add, 22 multiply, 2
-    sine cosine)"""
-    theta_0, theta_1, theta_2 = theta
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    t1 = theta_1 + theta_2
-    t2 = ca.sin(t1)
-    t3 = ca.cos(t1)
-    along_0 = g.e_1[0] * t2 + x_0 * t3  # direction of link i3
-    along_1 = g.e_1[1] * t2 + x_1 * t3
-    along_2 = g.e_1[2] * t2 + x_2 * t3
-    across_0 = g.e_1[0] * t3 - x_0 * t2  # e_2 x along
-    across_1 = g.e_1[1] * t3 - x_1 * t2
-    across_2 = g.e_1[2] * t3 - x_2 * t2
+def passive(g: Any, x: Any, e_2: Any, v_1: Any) -> tuple[Any, ...]:
+    """Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    v_1_0, v_1_1 = v_1
+    dir_0 = v_1_0 * g.k[7]  # direction of the link in (x, e_1)
+    dir_1 = v_1_1 * g.k[7]
+    along_0 = x_0 * dir_0 + g.e_1[0] * dir_1
+    along_1 = x_1 * dir_0 + g.e_1[1] * dir_1
+    along_2 = x_2 * dir_0 + g.e_1[2] * dir_1
+    across_0 = g.e_1[0] * dir_0 - x_0 * dir_1  # e_2 x along
+    across_1 = g.e_1[1] * dir_0 - x_1 * dir_1
+    across_2 = g.e_1[2] * dir_0 - x_2 * dir_1
     return (
         along_0,
         across_0,

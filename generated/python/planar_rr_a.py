@@ -522,7 +522,8 @@ def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_jacobian"], (s, theta,))
     with rt.quiet():
-        M = subleg.jacobian(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        M = subleg.jacobian(g.subleg, d, u_2)
         results = arguments.finish(
             {
                 "M": M,
@@ -586,7 +587,8 @@ def jacobians(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         J, N = platform.rows(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
-        K = subleg.project(g.subleg, arguments.leg("s"), arguments.leg("theta"), N)
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K = subleg.project(g.subleg, d, u_2, N)
         results = arguments.finish(
             {
                 "J": J,
@@ -620,7 +622,8 @@ def jacobian_blocks(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry 
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         J, N = platform.rows(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
-        K = subleg.project(g.subleg, arguments.leg("s"), arguments.leg("theta"), N)
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K = subleg.project(g.subleg, d, u_2, N)
         results = arguments.finish(
             {
                 "J": J,
@@ -790,7 +793,8 @@ def twist(p: Any, phi: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geo
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
-        s_dot = subleg.velocity(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        s_dot = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
         twist, det_regularity = platform.solve(Q, rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
@@ -828,7 +832,8 @@ def joint_rates(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         s_dot = platform.end_velocity(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
-        theta_dot, regularity = subleg.rates(g.subleg, arguments.leg("s"), arguments.leg("theta"), s_dot)
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        theta_dot, regularity = subleg.rates(g.subleg, d, u_2, s_dot)
         results = arguments.finish(
             {
                 "theta_dot": theta_dot,
@@ -868,7 +873,8 @@ def platform_acceleration(p: Any, phi: Any, s: Any, theta: Any, twist: Any, thet
         Q = algebra.rotation(arguments.whole("phi"))
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
-        along = subleg.velocity(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_ddot"))
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        along = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_ddot"))
         s_ddot = algebra.sum(along, bias)
         row_bias = platform.row_bias(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"), arguments.leg("twist"), s_dot)
         rate = algebra.rate_with_bias(N, s_ddot, row_bias)
@@ -915,7 +921,8 @@ def joint_accelerations(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redund
         s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
         s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
-        theta_ddot, regularity = subleg.rates(g.subleg, arguments.leg("s"), arguments.leg("theta"), along)
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        theta_ddot, regularity = subleg.rates(g.subleg, d, u_2, along)
         results = arguments.finish(
             {
                 "theta_ddot": theta_ddot,
@@ -949,7 +956,8 @@ def passive_joints(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry =
     arguments = rt.Arguments(SIGNATURES["passive_joints"], (p, phi, s, theta,))
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        link = subleg.passive(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        link = subleg.passive(g.subleg, u_2)
         redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
         wrist = algebra.wrist(link, redundant_link)
         results = arguments.finish(
@@ -988,7 +996,8 @@ def singularity(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DE
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, phi, s, theta,))
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        type_1, factors = subleg.determinant(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        type_1, factors = subleg.determinant(g.subleg, d, u_2)
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(

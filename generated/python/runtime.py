@@ -278,6 +278,7 @@ class Geometry:
     def __repr__(self) -> str:
         parts = []
         for name, value in self.fields.items():
-            alike = all(entry == value[0] for entry in value)
-            parts.append(f"{name}={value[0]!r}" if alike else f"{name}={tuple(value.tolist())!r}")
+            numbers = value.tolist()
+            alike = all(number == numbers[0] for number in numbers)
+            parts.append(f"{name}={numbers[0]!r}" if alike else f"{name}={tuple(numbers)!r}")
         return f"Geometry({', '.join(parts)})"

@@ -553,7 +553,8 @@ def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_jacobian"], (s, theta,))
     with rt.quiet():
-        M, regularity = subleg.jacobian(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        M, regularity = subleg.jacobian(g.subleg, x, e_2, d, u_1, u_2)
         results = arguments.finish(
             {
                 "M": M,
@@ -618,7 +619,8 @@ def jacobians(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAUL
     arguments = rt.Arguments(SIGNATURES["jacobians"], (p, Q, s, theta,))
     with rt.quiet():
         J, N = platform.rows(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
-        K, regularity = subleg.project(g.subleg, arguments.leg("s"), arguments.leg("theta"), N)
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K, regularity = subleg.project(g.subleg, x, e_2, d, u_1, u_2, N)
         results = arguments.finish(
             {
                 "J": J,
@@ -654,7 +656,8 @@ def jacobian_blocks(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = 
     arguments = rt.Arguments(SIGNATURES["jacobian_blocks"], (p, Q, s, theta,))
     with rt.quiet():
         J, N = platform.rows(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
-        K, regularity = subleg.project(g.subleg, arguments.leg("s"), arguments.leg("theta"), N)
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K, regularity = subleg.project(g.subleg, x, e_2, d, u_1, u_2, N)
         results = arguments.finish(
             {
                 "J": J,
@@ -829,7 +832,8 @@ def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geome
     arguments = rt.Arguments(SIGNATURES["twist"], (p, Q, s, theta, theta_dot,))
     with rt.quiet():
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
-        s_dot, regularity = subleg.velocity(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        s_dot, regularity = subleg.velocity(g.subleg, x, e_2, d, u_1, u_2, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
         twist, det_regularity = platform.solve(arguments.whole("Q"), rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
@@ -869,7 +873,8 @@ def joint_rates(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: 
     arguments = rt.Arguments(SIGNATURES["joint_rates"], (p, Q, s, theta, twist, redundant_rate,))
     with rt.quiet():
         s_dot = platform.end_velocity(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
-        theta_dot, regularity = subleg.rates(g.subleg, arguments.leg("s"), arguments.leg("theta"), s_dot)
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        theta_dot, regularity = subleg.rates(g.subleg, x, e_2, d, u_1, u_2, s_dot)
         results = arguments.finish(
             {
                 "theta_dot": theta_dot,
@@ -909,7 +914,8 @@ def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_
     with rt.quiet():
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
-        along, regularity = subleg.velocity(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_ddot"))
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        along, regularity = subleg.velocity(g.subleg, x, e_2, d, u_1, u_2, arguments.leg("theta_ddot"))
         s_ddot = algebra.sum(along, bias)
         row_bias = platform.row_bias(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), s_dot)
         rate = algebra.rate_with_bias(N, s_ddot, row_bias)
@@ -958,7 +964,8 @@ def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundan
         s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
         s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
-        theta_ddot, regularity = subleg.rates(g.subleg, arguments.leg("s"), arguments.leg("theta"), along)
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        theta_ddot, regularity = subleg.rates(g.subleg, x, e_2, d, u_1, u_2, along)
         results = arguments.finish(
             {
                 "theta_ddot": theta_ddot,
@@ -992,7 +999,8 @@ def passive_joints(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = D
     g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["passive_joints"], (p, Q, s, theta,))
     with rt.quiet():
-        passive, link = subleg.passive(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        passive, link = subleg.passive(g.subleg, x, e_2, d, u_1, u_2)
         redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         spherical = algebra.wrist(link, redundant_link)
         results = arguments.finish(
@@ -1034,7 +1042,8 @@ def singularity(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
     g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, Q, s, theta,))
     with rt.quiet():
-        type_1, factors = subleg.determinant(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        type_1, factors = subleg.determinant(g.subleg, d, u_1, u_2)
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(

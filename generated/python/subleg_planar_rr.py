@@ -31,7 +31,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_1=fields["l_1"],
         l_2=fields["l_2"],
         o=(R_b * np.cos(azimuth), R_b * np.sin(azimuth),),
-        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, np.abs(t1), l_1 * l_2,),
+        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, np.abs(t1), l_1 * l_2, 1 / l_2,),
     )
 
 
@@ -40,9 +40,38 @@ def forward(g: Any, theta: Any) -> tuple[Any, ...]:
     cosine)"""
     theta_0, theta_1 = theta
     t1 = theta_0 + theta_1
+    u_2_0 = g.l_2 * np.cos(t1)  # second link
+    u_2_1 = g.l_2 * np.sin(t1)
+    d_0 = u_2_0 + g.l_1 * np.cos(theta_0)  # r - o
+    d_1 = u_2_1 + g.l_1 * np.sin(theta_0)
     return (
-        g.o[0] + g.l_1 * np.cos(theta_0) + g.l_2 * np.cos(t1),
-        g.o[1] + g.l_1 * np.sin(theta_0) + g.l_2 * np.sin(t1),
+        g.o[0] + d_0,
+        g.o[1] + d_1,
+    )
+
+
+def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (5 add, 4
+    multiply, 2 sine cosine)"""
+    theta_0, theta_1 = theta
+    t1 = theta_0 + theta_1
+    u_2_0 = g.l_2 * np.cos(t1)  # second link
+    u_2_1 = g.l_2 * np.sin(t1)
+    d_0 = u_2_0 + g.l_1 * np.cos(theta_0)  # r - o
+    d_1 = u_2_1 + g.l_1 * np.sin(theta_0)
+    return (
+        (  # s
+            g.o[0] + d_0,
+            g.o[1] + d_1,
+        ),
+        (  # d
+            d_0,
+            d_1,
+        ),
+        (  # u_2
+            u_2_0,
+            u_2_1,
+        ),
     )
 
 
@@ -111,18 +140,31 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     )
 
 
-def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (5 add, 2
-    multiply, 1 sine cosine)"""
+def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
+    """Posture of the RR sub-leg: the vectors that its velocity equations are made of.  Thesis: 2.2.1,
+    2.5.  (4 add, 2 multiply, 1 sine cosine)"""
     s_0, s_1 = s
     theta_0, theta_1 = theta
-    d_0 = s_0 - g.o[0]  # r - o
+    d_0 = s_0 - g.o[0]
     d_1 = s_1 - g.o[1]
-    u_1_0 = g.l_1 * np.cos(theta_0)  # first link
-    u_1_1 = g.l_1 * np.sin(theta_0)
-    u_2_0 = d_0 - u_1_0  # second link
-    m_00 = g.o[1] - s_1  # A^-1 B in the leg's frame
-    m_01 = u_1_1 - d_1
+    return (
+        (  # d
+            d_0,
+            d_1,
+        ),
+        (  # u_2
+            d_0 - g.l_1 * np.cos(theta_0),
+            d_1 - g.l_1 * np.sin(theta_0),
+        ),
+    )
+
+
+def jacobian(g: Any, d: Any, u_2: Any) -> tuple[Any, ...]:
+    """Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
+    m_00 = -d_1
+    m_01 = -u_2_1
     return (
         m_00,
         m_01,
@@ -131,38 +173,24 @@ def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     )
 
 
-def project(g: Any, s: Any, theta: Any, N: Any) -> tuple[Any, ...]:
+def project(g: Any, d: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's
-    lines.  Thesis: (1.8), (1.28).  (7 add, 6 multiply, 1 sine cosine)"""
-    s_0, s_1 = s
-    theta_0, theta_1 = theta
+    lines.  Thesis: (1.8), (1.28).  (2 add, 4 multiply)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
     N_00, N_01 = N
-    d_0 = s_0 - g.o[0]  # r - o
-    d_1 = s_1 - g.o[1]
-    u_1_0 = g.l_1 * np.cos(theta_0)  # first link
-    u_1_1 = g.l_1 * np.sin(theta_0)
-    u_2_0 = d_0 - u_1_0  # second link
-    m_00 = g.o[1] - s_1  # A^-1 B in the leg's frame
-    m_01 = u_1_1 - d_1
     return (
-        N_00 * m_00 + d_0 * N_01,
-        N_00 * m_01 + u_2_0 * N_01,
+        d_0 * N_01 - d_1 * N_00,
+        u_2_0 * N_01 - u_2_1 * N_00,
     )
 
 
-def velocity(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (6 add, 6 multiply, 1
-    sine cosine)"""
-    s_0, s_1 = s
-    theta_0, theta_1 = theta
+def velocity(g: Any, d: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
+    """Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
     theta_dot_0, theta_dot_1 = theta_dot
-    d_0 = s_0 - g.o[0]  # r - o
-    d_1 = s_1 - g.o[1]
-    u_1_0 = g.l_1 * np.cos(theta_0)  # first link
-    u_1_1 = g.l_1 * np.sin(theta_0)
-    u_2_0 = d_0 - u_1_0  # second link
-    u_2_1 = d_1 - u_1_1
-    w_0 = -(d_1 * theta_dot_0 + u_2_1 * theta_dot_1)  # B theta_dot
+    w_0 = -(d_1 * theta_dot_0 + u_2_1 * theta_dot_1)
     w_1 = d_0 * theta_dot_0 + u_2_0 * theta_dot_1
     return (
         w_0,
@@ -181,40 +209,31 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     d_1 = s_1 - g.o[1]
     t1 = np.cos(theta_0)
     t2 = np.sin(theta_0)
-    u_1_0 = g.l_1 * t1  # first link
-    u_1_1 = g.l_1 * t2
-    u_2_0 = d_0 - u_1_0  # second link
-    u_2_1 = d_1 - u_1_1
+    u_2_0 = d_0 - g.l_1 * t1  # second link
+    u_2_1 = d_1 - g.l_1 * t2
     t3 = theta_dot_0 * d_1 + theta_dot_1 * u_2_1
-    w_0 = -t3  # B theta_dot
-    w_1 = theta_dot_0 * d_0 + theta_dot_1 * u_2_0
+    s_dot_1 = theta_dot_0 * d_0 + theta_dot_1 * u_2_0
+    bias_0 = -(theta_dot_0 * s_dot_1 + theta_dot_1 * (s_dot_1 - g.l_1 * (theta_dot_0 * t1)))
     return (
         (  # s_dot
-            w_0,
-            w_1,
+            -t3,
+            s_dot_1,
         ),
         (  # bias
-            -(theta_dot_0 * w_1 + theta_dot_1 * (w_1 - g.l_1 * (theta_dot_0 * t1))),
+            bias_0,
             theta_dot_1 * (g.l_1 * (theta_dot_0 * t2) - t3) - theta_dot_0 * t3,
         ),
     )
 
 
-def rates(g: Any, s: Any, theta: Any, s_dot: Any) -> tuple[Any, ...]:
+def rates(g: Any, d: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (8 add, 12 multiply, 2 divide, 1 sine
-    cosine, 1 select)"""
-    s_0, s_1 = s
-    theta_0, theta_1 = theta
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (3 add, 8 multiply, 2 divide, 1 select)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
     s_dot_0, s_dot_1 = s_dot
-    d_0 = s_0 - g.o[0]  # r - o
-    d_1 = s_1 - g.o[1]
-    u_1_0 = g.l_1 * np.cos(theta_0)  # first link
-    u_1_1 = g.l_1 * np.sin(theta_0)
-    u_2_0 = d_0 - u_1_0  # second link
-    u_2_1 = d_1 - u_1_1
-    det = u_1_0 * u_2_1 - u_1_1 * u_2_0  # l_1 l_2 sin(theta_2)
-    t1 = 1 / (d_0 * u_2_1 - d_1 * u_2_0)
+    det = d_0 * u_2_1 - d_1 * u_2_0  # l_1 l_2 sin(theta_2)
+    t1 = 1 / det
     return (
         (  # theta_dot
             (u_2_0 * s_dot_0 + u_2_1 * s_dot_1) * t1,
@@ -226,18 +245,12 @@ def rates(g: Any, s: Any, theta: Any, s_dot: Any) -> tuple[Any, ...]:
     )
 
 
-def determinant(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (5 add, 4
-    multiply, 1 divide, 1 sine cosine)"""
-    s_0, s_1 = s
-    theta_0, theta_1 = theta
-    d_0 = s_0 - g.o[0]  # r - o
-    d_1 = s_1 - g.o[1]
-    u_1_0 = g.l_1 * np.cos(theta_0)  # first link
-    u_1_1 = g.l_1 * np.sin(theta_0)
-    u_2_0 = d_0 - u_1_0  # second link
-    u_2_1 = d_1 - u_1_1
-    det = u_1_0 * u_2_1 - u_1_1 * u_2_0  # l_1 l_2 sin(theta_2)
+def determinant(g: Any, d: Any, u_2: Any) -> tuple[Any, ...]:
+    """det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 2
+    multiply, 1 divide)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
+    det = d_0 * u_2_1 - d_1 * u_2_0
     return (
         (  # det_M
             det,
@@ -248,11 +261,10 @@ def determinant(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     )
 
 
-def passive(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Passive joints of the RR sub-leg and the orientation of its last link.  (1 add, 1 sine cosine)"""
-    theta_0, theta_1 = theta
-    t1 = theta_0 + theta_1
+def passive(g: Any, u_2: Any) -> tuple[Any, ...]:
+    """Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply)"""
+    u_2_0, u_2_1 = u_2
     return (
-        np.cos(t1),
-        np.sin(t1),
+        u_2_0 * g.k[6],
+        u_2_1 * g.k[6],
     )

@@ -65,6 +65,11 @@ def forward(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     multiply, 1 divide, 1 square root, 3 sine cosine)"""
     theta_0, theta_1, theta_2 = theta
     assembly_0, = assembly
+    cos_1 = np.cos(theta_0)
+    sin_1 = np.sin(theta_0)
+    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
+    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
+    x_2 = g.e_x[2] * cos_1
     u_1_0 = g.l_4 * np.cos(theta_1)  # E - c in (x, e_1)
     u_1_1 = g.l_4 * np.sin(theta_1)
     u_2_0 = g.l_2 * np.cos(theta_2)  # C - c in (x, e_1)
@@ -79,18 +84,73 @@ def forward(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     t2 = along - 1
     w_0 = f_0 * t2 - f_1 * across  # P - E
     w_1 = f_0 * across + f_1 * t2
-    end_0 = u_1_0 + w_0 * g.k[2]  # s - c in (x, e_1)
-    end_1 = u_1_1 + w_1 * g.k[2]
-    t3 = np.cos(theta_0)
-    t4 = np.sin(theta_0)
-    x_0 = g.e_x[0] * t3 - g.e_t[0] * t4  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * t3 - g.e_t[1] * t4
-    x_2 = g.e_x[2] * t3
+    d_0 = u_1_0 + w_0 * g.k[2]  # s - c in (x, e_1)
+    d_1 = u_1_1 + w_1 * g.k[2]
     return (
         (  # s
-            g.c[0] + end_0 * x_0 + g.e_1[0] * end_1,
-            g.c[1] + end_0 * x_1 + g.e_1[1] * end_1,
-            g.c[2] + end_0 * x_2 + g.e_1[2] * end_1,
+            g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
+            g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
+            g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
+def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
+    """End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add,
+    33 multiply, 1 divide, 1 square root, 3 sine cosine)"""
+    theta_0, theta_1, theta_2 = theta
+    assembly_0, = assembly
+    cos_1 = np.cos(theta_0)
+    sin_1 = np.sin(theta_0)
+    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
+    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
+    x_2 = g.e_x[2] * cos_1
+    u_1_0 = g.l_4 * np.cos(theta_1)  # E - c in (x, e_1)
+    u_1_1 = g.l_4 * np.sin(theta_1)
+    u_2_0 = g.l_2 * np.cos(theta_2)  # C - c in (x, e_1)
+    u_2_1 = g.l_2 * np.sin(theta_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    d2 = f_0 * f_0 + f_1 * f_1
+    t1 = 1 / d2
+    along = 0.5 * (d2 + g.k[0] - g.k[1]) * t1
+    h2 = g.k[0] * t1 - along * along
+    across = assembly_0 * np.sqrt(h2)
+    t2 = along - 1
+    w_0 = f_0 * t2 - f_1 * across  # P - E
+    w_1 = f_0 * across + f_1 * t2
+    d_0 = u_1_0 + w_0 * g.k[2]  # s - c in (x, e_1)
+    d_1 = u_1_1 + w_1 * g.k[2]
+    return (
+        (  # s
+            g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
+            g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
+            g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+        ),
+        (  # x
+            x_0,
+            x_1,
+            x_2,
+        ),
+        (  # e_2
+            g.e_t[0] * cos_1 + g.e_x[0] * sin_1,
+            g.e_t[1] * cos_1 + g.e_x[1] * sin_1,
+            g.e_x[2] * sin_1,
+        ),
+        (  # d
+            d_0,
+            d_1,
+        ),
+        (  # u_1
+            u_1_0,
+            u_1_1,
+        ),
+        (  # u_2
+            u_2_0,
+            u_2_1,
         ),
         (  # radicand
             h2,
@@ -277,9 +337,9 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     )
 
 
-def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (31 add,
-    59 multiply, 2 divide, 3 sine cosine, 1 select)"""
+def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
+    """Posture of the R(RR-RRR) sub-leg: the vectors that its velocity equations are made of.  Thesis:
+    App. B.  (11 add, 20 multiply, 3 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
     cos_1 = np.cos(theta_0)
@@ -287,20 +347,45 @@ def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
     x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
     x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    u_1_0 = g.l_4 * np.cos(theta_1)
-    u_1_1 = g.l_4 * np.sin(theta_1)
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
-    u_2_0 = g.l_2 * np.cos(theta_2)
-    u_2_1 = g.l_2 * np.sin(theta_2)
+    arm_0 = s_0 - g.c[0]  # s - c
+    arm_1 = s_1 - g.c[1]
+    arm_2 = s_2 - g.c[2]
+    return (
+        (  # x
+            x_0,
+            x_1,
+            x_2,
+        ),
+        (  # e_2
+            g.e_t[0] * cos_1 + g.e_x[0] * sin_1,
+            g.e_t[1] * cos_1 + g.e_x[1] * sin_1,
+            g.e_x[2] * sin_1,
+        ),
+        (  # d
+            x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2,
+            g.e_1[0] * arm_0 + g.e_1[1] * arm_1 + g.e_1[2] * arm_2,
+        ),
+        (  # u_1
+            g.l_4 * np.cos(theta_1),
+            g.l_4 * np.sin(theta_1),
+        ),
+        (  # u_2
+            g.l_2 * np.cos(theta_2),
+            g.l_2 * np.sin(theta_2),
+        ),
+    )
+
+
+def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
+    """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add,
+    39 multiply, 2 divide, 1 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     t1 = v_1_0 * g.k[7]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
     t2 = v_1_1 * g.k[7]
@@ -319,13 +404,13 @@ def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     m_12 = t6 * (v_1_0 * b_33)
     return (
         (  # M
-            -e_2_0 * r,
+            -e_2_0 * d_0,
             g.e_1[0] * m_11 + x_0 * m_01,
             g.e_1[0] * m_12 + x_0 * m_02,
-            -e_2_1 * r,
+            -e_2_1 * d_0,
             g.e_1[1] * m_11 + x_1 * m_01,
             g.e_1[1] * m_12 + x_1 * m_02,
-            -e_2_2 * r,
+            -e_2_2 * d_0,
             g.e_1[2] * m_11 + x_2 * m_01,
             g.e_1[2] * m_12 + x_2 * m_02,
         ),
@@ -335,32 +420,17 @@ def jacobian(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     )
 
 
-def project(g: Any, s: Any, theta: Any, N: Any) -> tuple[Any, ...]:
+def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (41 add, 72 multiply, 2 divide, 3 sine cosine, 1
-    select)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+    platform's lines.  Thesis: (1.8), (1.28).  (30 add, 52 multiply, 2 divide, 1 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
     N_00, N_01, N_02, N_10, N_11, N_12 = N
-    cos_1 = np.cos(theta_0)
-    sin_1 = np.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    u_1_0 = g.l_4 * np.cos(theta_1)
-    u_1_1 = g.l_4 * np.sin(theta_1)
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
-    u_2_0 = g.l_2 * np.cos(theta_2)
-    u_2_1 = g.l_2 * np.sin(theta_2)
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     t1 = v_1_0 * g.k[7]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
     t2 = v_1_1 * g.k[7]
@@ -385,10 +455,10 @@ def project(g: Any, s: Any, theta: Any, N: Any) -> tuple[Any, ...]:
     n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
     return (
         (  # K
-            -r * n_02,
+            -d_0 * n_02,
             m_01 * n_00 + m_11 * n_01,
             m_02 * n_00 + m_12 * n_01,
-            -r * n_12,
+            -d_0 * n_12,
             m_01 * n_10 + m_11 * n_11,
             m_02 * n_10 + m_12 * n_11,
         ),
@@ -398,31 +468,17 @@ def project(g: Any, s: Any, theta: Any, N: Any) -> tuple[Any, ...]:
     )
 
 
-def velocity(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (31 add, 54
-    multiply, 2 divide, 3 sine cosine, 1 select)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
+    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 34
+    multiply, 2 divide, 1 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
-    cos_1 = np.cos(theta_0)
-    sin_1 = np.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    u_1_0 = g.l_4 * np.cos(theta_1)
-    u_1_1 = g.l_4 * np.sin(theta_1)
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
-    u_2_0 = g.l_2 * np.cos(theta_2)
-    u_2_1 = g.l_2 * np.sin(theta_2)
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     t1 = v_1_0 * g.k[7]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
     t2 = v_1_1 * g.k[7]
@@ -431,7 +487,7 @@ def velocity(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t3 = r * theta_dot_0
+    t3 = d_0 * theta_dot_0
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
     t4 = 1 / (t1 * v_2_1 - v_2_0 * t2)
@@ -451,7 +507,7 @@ def velocity(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does
-    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (80 add, 133
+    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147
     multiply, 1 divide, 3 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -464,21 +520,21 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
     e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
     e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
+    arm_0 = s_0 - g.c[0]  # s - c
+    arm_1 = s_1 - g.c[1]
+    arm_2 = s_2 - g.c[2]
+    d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2  # s - c in the plane (x, e_1)
+    d_1 = g.e_1[0] * arm_0 + g.e_1[1] * arm_1 + g.e_1[2] * arm_2
     t1 = np.cos(theta_1)
     t2 = np.sin(theta_1)
     u_1_0 = g.l_4 * t1
     u_1_1 = g.l_4 * t2
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
     t3 = np.cos(theta_2)
     t4 = np.sin(theta_2)
     u_2_0 = g.l_2 * t3
     u_2_1 = g.l_2 * t4
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     t5 = v_1_0 * g.k[7]
     v_2_0 = u_1_0 + t5 - u_2_0  # (1.15)
     t6 = v_1_1 * g.k[7]
@@ -486,43 +542,45 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
     b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    t7 = theta_dot_0 * r
-    w_1 = theta_dot_1 * b_22  # B theta_dot
-    w_2 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t8 = g.k[7] * v_2_1
-    t9 = 1 / (t5 * v_2_1 - v_2_0 * t6)
-    v_0 = (w_1 * t8 - v_1_1 * w_2) * t9  # velocity in the leg's frame
-    t10 = g.k[7] * v_2_0
-    v_1 = t9 * (v_1_0 * w_2 - w_1 * t10)  # velocity in the leg's frame
-    s_dot_0 = g.e_1[0] * v_1 - e_2_0 * t7 + x_0 * v_0
-    s_dot_1 = g.e_1[1] * v_1 - e_2_1 * t7 + x_1 * v_0
-    s_dot_2 = g.e_1[2] * v_1 - e_2_2 * t7 + x_2 * v_0
-    t11 = theta_dot_0 * sin_1
-    t12 = theta_dot_0 * cos_1
-    t13 = g.e_x[0] * t11 + g.e_t[0] * t12
-    t14 = g.e_x[1] * t11 + g.e_t[1] * t12
-    t15 = g.e_x[2] * t11
-    t16 = x_0 * s_dot_0 - d_0 * t13 + (x_1 * s_dot_1 - d_1 * t14) + (x_2 * s_dot_2 - d_2 * t15)
-    t17 = g.l_4 * (theta_dot_1 * t2)
-    t18 = g.l_4 * (theta_dot_1 * t1)
-    t19 = t16 + t17
-    t20 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t18
-    t21 = g.l_2 * (theta_dot_2 * t4)
-    t22 = g.l_2 * (theta_dot_2 * t3)
-    t23 = g.k[7] * t19
-    t24 = t21 + (t23 - t17)
-    t25 = g.k[7] * t20
-    t26 = t18 + t25 - t22
-    t27 = theta_dot_0 * t16
-    t28 = theta_dot_1 * (u_1_0 * t20 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t19))
-    t29 = theta_dot_1 * (g.k[13] * (v_2_0 * t18 + u_1_1 * t24 - (u_1_0 * t26 - v_2_1 * t17)))
-    t30 = t29 + theta_dot_2 * (u_2_0 * t26 - v_2_1 * t21 - (v_2_0 * t22 + u_2_1 * t24))
-    t31 = v_2_1 * t23 + t5 * t26 - (t6 * t24 + v_2_0 * t25)
-    t32 = t9 * (t8 * t28 + w_1 * (g.k[7] * t26) - (w_2 * t20 + v_1_1 * t30) - v_0 * t31)
-    t33 = t9 * (w_2 * t19 + v_1_0 * t30 - (t10 * t28 + w_1 * (g.k[7] * t24)) - v_1 * t31)
-    bias_0 = g.e_1[0] * t33 - (t7 * (g.e_x[0] * t12 - g.e_t[0] * t11) + e_2_0 * t27) + (x_0 * t32 - v_0 * t13)
-    bias_1 = g.e_1[1] * t33 - (t7 * (g.e_x[1] * t12 - g.e_t[1] * t11) + e_2_1 * t27) + (x_1 * t32 - v_0 * t14)
-    bias_2 = g.e_1[2] * t33 - (t7 * (g.e_x[2] * t12) + e_2_2 * t27) + (x_2 * t32 - v_0 * t15)
+    t7 = theta_dot_1 * b_32 + theta_dot_2 * b_33
+    t8 = theta_dot_1 * (g.k[7] * b_22)
+    t9 = v_1_0 * t7 - v_2_0 * t8
+    t10 = 1 / (t5 * v_2_1 - v_2_0 * t6)
+    t11 = g.e_1[0] * t9 * t10
+    t12 = v_2_1 * t8 - v_1_1 * t7
+    t13 = t10 * (x_0 * t12)
+    s_dot_0 = t11 + t13 - theta_dot_0 * (e_2_0 * d_0)
+    t14 = t10 * (g.e_1[1] * t9)
+    t15 = t10 * (x_1 * t12)
+    s_dot_1 = t14 + t15 - theta_dot_0 * (e_2_1 * d_0)
+    t16 = t10 * (g.e_1[2] * t9)
+    t17 = t10 * (x_2 * t12)
+    s_dot_2 = t16 + t17 - theta_dot_0 * (e_2_2 * d_0)
+    t18 = theta_dot_0 * sin_1
+    t19 = theta_dot_0 * cos_1
+    t20 = g.e_x[0] * t18 + g.e_t[0] * t19
+    t21 = g.e_x[1] * t18 + g.e_t[1] * t19
+    t22 = g.e_x[2] * t18
+    t23 = x_0 * s_dot_0 - arm_0 * t20 + (x_1 * s_dot_1 - arm_1 * t21) + (x_2 * s_dot_2 - arm_2 * t22)
+    t24 = g.l_4 * (theta_dot_1 * t2)
+    t25 = g.l_4 * (theta_dot_1 * t1)
+    t26 = g.l_2 * (theta_dot_2 * t4)
+    t27 = g.l_2 * (theta_dot_2 * t3)
+    t28 = t23 + t24
+    t29 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t25
+    t30 = g.k[7] * t28
+    t31 = t26 + (t30 - t24)
+    t32 = g.k[7] * t29
+    t33 = t25 + t32 - t27
+    t34 = theta_dot_1 * (g.k[13] * (v_2_0 * t25 + u_1_1 * t31 - (u_1_0 * t33 - v_2_1 * t24)))
+    t35 = t34 + theta_dot_2 * (u_2_0 * t33 - v_2_1 * t26 - (v_2_0 * t27 + u_2_1 * t31))
+    t36 = theta_dot_1 * (g.k[7] * (u_1_0 * t29 - v_1_1 * t24 - (v_1_0 * t25 + u_1_1 * t28)))
+    t37 = t7 * t28 + v_1_0 * t35 - (t8 * t31 + v_2_0 * t36)
+    t38 = v_2_1 * t30 + t5 * t33 - (t6 * t31 + v_2_0 * t32)
+    t39 = t8 * t33 + v_2_1 * t36 - (t7 * t29 + v_1_1 * t35)
+    bias_0 = t10 * (g.e_1[0] * t37 - t11 * t38) + t10 * (x_0 * t39 - t12 * t20 - t13 * t38) - theta_dot_0 * (d_0 * (g.e_x[0] * t19 - g.e_t[0] * t18) + e_2_0 * t23)
+    bias_1 = t10 * (g.e_1[1] * t37 - t14 * t38) + t10 * (x_1 * t39 - t12 * t21 - t15 * t38) - theta_dot_0 * (d_0 * (g.e_x[1] * t19 - g.e_t[1] * t18) + e_2_1 * t23)
+    bias_2 = t10 * (g.e_1[2] * t37 - t16 * t38) + t10 * (x_2 * t39 - t12 * t22 - t17 * t38) - theta_dot_0 * (d_0 * (g.e_x[2] * t19) + e_2_2 * t23)
     return (
         (  # s_dot
             s_dot_0,
@@ -537,32 +595,18 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     )
 
 
-def rates(g: Any, s: Any, theta: Any, s_dot: Any) -> tuple[Any, ...]:
+def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (29 add, 47 multiply, 6 divide, 3 sine
-    cosine, 5 select)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (18 add, 27 multiply, 6 divide, 5
+    select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
     s_dot_0, s_dot_1, s_dot_2 = s_dot
-    cos_1 = np.cos(theta_0)
-    sin_1 = np.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    u_1_0 = g.l_4 * np.cos(theta_1)
-    u_1_1 = g.l_4 * np.sin(theta_1)
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
-    u_2_0 = g.l_2 * np.cos(theta_2)
-    u_2_1 = g.l_2 * np.sin(theta_2)
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
@@ -574,10 +618,10 @@ def rates(g: Any, s: Any, theta: Any, s_dot: Any) -> tuple[Any, ...]:
     w_1 = v_1_0 * v_0 + v_1_1 * v_1  # A s_dot
     w_2 = v_2_0 * (g.k[7] * v_0) + v_2_1 * (g.k[7] * v_1)
     t1 = 1 / b_22
-    regularity_a = np.fmin(np.fmin(np.abs(r / g.k[15]), np.abs(b_22 / g.k[16])), np.abs(b_33 / g.k[17]))
+    regularity_a = np.fmin(np.fmin(np.abs(d_0 / g.k[15]), np.abs(b_22 / g.k[16])), np.abs(b_33 / g.k[17]))
     return (
         (  # theta_dot
-            -v_2 / r,
+            -v_2 / d_0,
             w_1 * t1,
             (w_2 - t1 * (b_32 * w_1)) / b_33,
         ),
@@ -587,27 +631,14 @@ def rates(g: Any, s: Any, theta: Any, s_dot: Any) -> tuple[Any, ...]:
     )
 
 
-def determinant(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
+def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.
-    Thesis: 1.4.  (19 add, 26 multiply, 5 divide, 3 sine cosine)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
-    cos_1 = np.cos(theta_0)
-    sin_1 = np.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    u_1_0 = g.l_4 * np.cos(theta_1)
-    u_1_1 = g.l_4 * np.sin(theta_1)
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
-    u_2_0 = g.l_2 * np.cos(theta_2)
-    u_2_1 = g.l_2 * np.sin(theta_2)
+    Thesis: 1.4.  (10 add, 11 multiply, 5 divide)"""
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
     t1 = u_1_0 * v_1_1
@@ -617,10 +648,10 @@ def determinant(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            r * (b_33 * (t2 - t1)) / (g.k[7] * delta),
+            d_0 * (b_33 * (t2 - t1)) / (g.k[7] * delta),
         ),
         (  # factors
-            r / g.k[15],
+            d_0 / g.k[15],
             b_22 / g.k[16],
             b_33 / g.k[17],
             delta / g.k[14],
@@ -628,33 +659,19 @@ def determinant(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     )
 
 
-def passive(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (29 add, 48
-    multiply, 3 sine cosine, 3 arctangent)"""
-    s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
-    cos_1 = np.cos(theta_0)
-    sin_1 = np.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    e_2_0 = g.e_t[0] * cos_1 + g.e_x[0] * sin_1  # Rot(e_1, theta_1) e_t
-    e_2_1 = g.e_t[1] * cos_1 + g.e_x[1] * sin_1
-    e_2_2 = g.e_x[2] * sin_1
-    d_0 = s_0 - g.c[0]  # s - c
-    d_1 = s_1 - g.c[1]
-    d_2 = s_2 - g.c[2]
-    r = x_0 * d_0 + x_1 * d_1 + x_2 * d_2
-    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    u_1_0 = g.l_4 * np.cos(theta_1)
-    u_1_1 = g.l_4 * np.sin(theta_1)
-    v_1_0 = r - u_1_0  # (1.14)
-    v_1_1 = y - u_1_1
-    u_2_0 = g.l_2 * np.cos(theta_2)
-    u_2_1 = g.l_2 * np.sin(theta_2)
+def passive(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
+    """Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28
+    multiply, 3 arctangent)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 * g.k[19] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 * g.k[19] - u_2_1
-    dir_0 = v_1_0 * g.k[18]  # direction of the distal link in (x, e_1)
+    dir_0 = v_1_0 * g.k[18]  # direction of the link in (x, e_1)
     dir_1 = v_1_1 * g.k[18]
     along_0 = x_0 * dir_0 + g.e_1[0] * dir_1
     along_1 = x_1 * dir_0 + g.e_1[1] * dir_1

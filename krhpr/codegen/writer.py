@@ -13,7 +13,7 @@ and the generated code keeps the thesis' names.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any, overload
@@ -155,12 +155,15 @@ class KernelWriter:
         rates = [zero if dot is None else dot for dot in dots]
         return getattr(self._collect(kernel, place), output), getattr(self._collect(kernel, rates), output)
 
-    def kernel(self) -> Kernel:
+    def kernel(self, prune: Collection[str] = ()) -> Kernel:
+        """The finished kernel; inputs named in `prune` are dropped where no output depends on them."""
+        needed = self._graph.needed(node for nodes in self._results.values() for node in nodes)
+        read = {node.value.port for i, node in self._graph if needed[i] and isinstance(node.value, InputRef)}
         return Kernel(
             self._name,
             self._doc,
             self._equations,
-            tuple(self._inputs),
+            tuple(port for port in self._inputs if port.name in read or port.name not in prune),
             tuple(self._outputs),
             self._graph,
             dict(self._results),

@@ -1,0 +1,150 @@
+"""Two ways to run a robot's functions: compiled kernels as generalized ufuncs, or the generated NumPy module."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import warnings
+from collections.abc import Sequence
+from enum import StrEnum
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+
+from krhpr.native import (
+    CompilationError,
+    NoCompiler,
+    compile_library,
+    function_address,
+    load_library,
+    make_gufunc,
+)
+
+
+class BackendName(StrEnum):
+    """How functions are computed."""
+
+    AUTO = "auto"
+    COMPILED = "compiled"
+    NUMPY = "numpy"
+
+
+class Backend(Protocol):
+    """Computes a function by name."""
+
+    name: BackendName
+
+    def call(self, function: str, inputs: Sequence[Any], out: tuple[Any, ...] | None) -> tuple[Any, ...]:
+        """Outputs in order, then the status."""
+
+
+class NumpyBackend:
+    """The generated NumPy module; needs no compiler."""
+
+    name = BackendName.NUMPY
+
+    def __init__(self, module: ModuleType, geometry: Any) -> None:
+        self._module, self._geometry = module, geometry
+
+    def call(self, function: str, inputs: Sequence[Any], out: tuple[Any, ...] | None) -> tuple[Any, ...]:
+        answer, status = getattr(self._module, function)(*inputs, geometry=self._geometry, status=True)
+        single = len(self._module.SIGNATURES[function].outputs) == 1
+        results = (answer,) if single else tuple(answer)
+        if out is not None:
+            for target, result in zip(out, results, strict=True):
+                if target is not None:
+                    np.copyto(target, result)
+            results = tuple(
+                result if target is None else target for target, result in zip(out, results, strict=True)
+            )
+        return (*results, status)
+
+
+class CompiledBackend:
+    """Generated C behind generalized ufuncs, one for each function, made on first use."""
+
+    name = BackendName.COMPILED
+
+    def __init__(self, module: ModuleType, geometry: Any) -> None:
+        self._module = module
+        self._library = _library(module.IDENTIFIER)
+        self._prefix = f"krhpr_{module.IDENTIFIER}"
+        self._geometry = self._prepare(geometry)
+        self._gufuncs: dict[str, np.ufunc] = {}
+
+    def gufunc(self, function: str) -> np.ufunc:
+        """The generalized ufunc of a function: its inputs, its outputs and, last, the status."""
+        found = self._gufuncs.get(function)
+        if found is None:
+            signature = self._module.SIGNATURES[function]
+            found = make_gufunc(
+                function,
+                signature.doc,
+                function_address(self._library, f"{self._prefix}_{function}_batch"),
+                self._geometry,
+                signature.gufunc,
+                len(signature.inputs),
+                len(signature.outputs),
+                self._library,
+            )
+            self._gufuncs[function] = found
+        return found
+
+    def call(self, function: str, inputs: Sequence[Any], out: tuple[Any, ...] | None) -> tuple[Any, ...]:
+        gufunc = self.gufunc(function)
+        outputs: Any = gufunc(*inputs) if out is None else gufunc(*inputs, out=(*out, None))
+        return tuple(outputs)
+
+    def _prepare(self, geometry: Any) -> bytes:
+        size = getattr(self._library, f"{self._prefix}_geometry_size")
+        size.restype = ctypes.c_size_t
+        buffer = ctypes.create_string_buffer(size())
+        fields = np.ascontiguousarray(geometry.flat(), dtype=float)
+        status = getattr(self._library, f"{self._prefix}_set_geometry")(
+            buffer, fields.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+        )
+        if status:
+            raise ValueError(f"geometry is not valid: {geometry!r}")
+        return bytes(buffer)
+
+
+def make_backend(module: ModuleType, geometry: Any, wanted: str | None = None) -> Backend:
+    """The backend asked for; `auto` compiles where it can and falls back to NumPy with one warning."""
+    name = BackendName(wanted or os.environ.get("KRHPR_BACKEND") or BackendName.AUTO)
+    if name is BackendName.NUMPY:
+        return NumpyBackend(module, geometry)
+    try:
+        return CompiledBackend(module, geometry)
+    except NoCompiler as error:
+        if name is BackendName.COMPILED:
+            raise
+        _warn_slow(str(error))
+        return NumpyBackend(module, geometry)
+
+
+def c_sources() -> Path:
+    """The folder with the generated C."""
+    return Path(str(files("krhpr.generated"))) / "c"
+
+
+@cache
+def _library(identifier: str) -> ctypes.CDLL:
+    folder = c_sources()
+    path = compile_library(f"krhpr_{identifier}", [folder / f"krhpr_{identifier}.c"], include_dirs=[folder])
+    return load_library(path)
+
+
+@cache
+def _warn_slow(reason: str) -> None:
+    warnings.warn(
+        f"no compiled kernels ({reason}); the pure NumPy modules are used: the same results, several times slower",
+        RuntimeWarning,
+        stacklevel=4,
+    )
+
+
+__all__ = ["Backend", "BackendName", "CompilationError", "CompiledBackend", "NoCompiler", "NumpyBackend", "make_backend"]

@@ -1,0 +1,461 @@
+"""A robot as people use it: methods that broadcast, on compiled kernels or on NumPy, and its CasADi functions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from types import ModuleType
+from typing import Any, TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from krhpr.backend import Backend, BackendName, make_backend
+from krhpr.errors import InvalidInput, Singular, UnknownBranch, Unreachable
+from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
+
+ROTATION_TOLERANCE = 1e-6
+"""Largest element of |Q^T Q - I| that passes for a rotation matrix."""
+
+Branch = str | Sequence[str] | ArrayLike
+"""A working or assembly mode: its label, a label for each leg, or signs of shape (..., 3, signs)."""
+
+
+class Options(TypedDict, total=False):
+    """Keyword arguments that every function takes."""
+
+    out: Any
+    """An array (a tuple of arrays where there are several results) to write to."""
+    status: bool
+    """Return (result, status) instead of the result."""
+    check: bool
+    """Raise Unreachable, Singular or InvalidInput for the first element without an answer."""
+    check_rotation: bool
+    """Check that Q is a rotation matrix within ROTATION_TOLERANCE (on unless switched off)."""
+
+
+class Robot:
+    """One robot with its geometry.
+
+    Arrays have the shapes that `robot.signature(name)` and each method's documentation state, after any batch dimensions,
+    and broadcast as generalized ufuncs do.  A planar robot takes `phi` (...) in place of `Q` (..., 3, 3).
+    Where there is no answer the result is NaN, and `status=True` says why.
+    """
+
+    def __init__(self, module: ModuleType, geometry: Geometry | None = None, backend: str | None = None) -> None:
+        self._module = module
+        self._backend_name = backend
+        self.geometry: Geometry = module.DEFAULT_GEOMETRY if geometry is None else geometry
+
+    # -- what it is ---------------------------------------------------------------------------------------------
+
+    @property
+    def identifier(self) -> str:
+        """The catalogue's name, `spatial_rrr_a`."""
+        return str(self._module.IDENTIFIER)
+
+    @property
+    def notation(self) -> str:
+        """The thesis' notation, `3-RRRSR`."""
+        return str(self._module.NOTATION)
+
+    @property
+    def title(self) -> str:
+        """What it is, in a few words."""
+        return str(self._module.TITLE)
+
+    @property
+    def planar(self) -> bool:
+        """Whether it moves in the plane (p, phi) or in space (p, Q)."""
+        return self.identifier.startswith("planar")
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Labels of the working modes, in the order of `inverse_all`."""
+        return tuple(self._module.MODES)
+
+    @property
+    def default_mode(self) -> str:
+        """The working mode that `inverse` uses unless another is given."""
+        return str(self._module.DEFAULT_MODE)
+
+    @property
+    def assemblies(self) -> tuple[str, ...]:
+        """Labels of the sub-legs' assembly modes (empty for serial sub-legs)."""
+        return tuple(self._module.ASSEMBLIES)
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """Names of all functions."""
+        return tuple(self._module.SIGNATURES)
+
+    @property
+    def documentation(self) -> Mapping[str, tuple[tuple[str, str], ...]]:
+        """Joints, singular factors, margins and sections of the thesis, each with its meaning."""
+        return self._module.DOCUMENTATION  # type: ignore[no-any-return]
+
+    def signature(self, function: str) -> Signature:
+        """Arguments and results of a function: names, shapes, units, frames, meanings."""
+        return self._module.SIGNATURES[function]  # type: ignore[no-any-return]
+
+    def with_geometry(self, **changes: ArrayLike) -> Robot:
+        """The same robot with other lengths or angles: `robot.with_geometry(l_2=0.32)`; three values where legs differ."""
+        return Robot(self._module, self.geometry.replace(**changes), self._backend_name)
+
+    @property
+    def backend(self) -> BackendName:
+        """Whether calls run on compiled kernels or on NumPy."""
+        return self._backend.name
+
+    @cached_property
+    def casadi(self) -> CasadiFunctions:
+        """The kernels as casadi.Function, with this geometry: `robot.casadi.twist`."""
+        return CasadiFunctions(self.identifier, self.geometry)
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.identifier} {self.notation}: {self.title}>"
+
+    # -- position -----------------------------------------------------------------------------------------------
+
+    def end_points(self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]) -> Any:
+        """s (..., 3, 3): end points of the sub-legs, (1.37)."""
+        return self._answer("end_points", (p, Q, redundant), options)
+
+    def redundant_coordinates(self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, **options: Unpack[Options]) -> Any:
+        """redundant (..., 3): angles beta or slides d from the pose and the end points."""
+        return self._answer("redundant_coordinates", (p, Q, s), options)
+
+    def subleg_forward(self, theta: ArrayLike, assembly: Branch | None = None, **options: Unpack[Options]) -> Any:
+        """s (..., 3, 3) from the actuated joints theta (..., 3, n); `assembly` for sub-legs with a closed loop."""
+        inputs: tuple[Any, ...] = (theta,)
+        if self.assemblies:
+            inputs = (theta, self._signs(assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "assembly"))
+        elif assembly is not None:
+            raise UnknownBranch(f"{self.identifier}: its sub-legs are open chains and have no assembly modes")
+        return self._answer("subleg_forward", inputs, options)
+
+    def subleg_inverse(self, s: ArrayLike, **options: Unpack[Options]) -> Any:
+        """theta (..., 3, modes, n): actuated joints in every working mode, NaN where a mode does not exist."""
+        return self._answer("subleg_inverse", (s,), options)
+
+    def constraints(self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, **options: Unpack[Options]) -> Any:
+        """Residuals (..., 6) of the constraint equations, zero where the platform closes; rows as (1.31)."""
+        return self._answer("constraints", (p, Q, s), options)
+
+    def inverse(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        redundant: ArrayLike,
+        *,
+        mode: Branch | None = None,
+        near: ArrayLike | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """theta (..., 3, n): actuated joints for a pose and redundant coordinates.
+
+        In one working mode (`mode`: a label, one for each leg, or signs; the default one otherwise), or, with
+        `near` (..., 3, n), in the mode nearest to those joints and continued beyond +-pi.
+        """
+        if near is None:
+            signs = self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "working mode")
+            return self._answer("inverse", (p, Q, redundant, signs), options)
+        if mode is not None:
+            raise UnknownBranch("inverse takes either a mode or joints to stay near, not both")
+        return self._answer("inverse_near", (p, Q, redundant, near), options)
+
+    def inverse_all(self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]) -> Any:
+        """theta (..., 3, modes, n): every working mode, NaN where a mode does not exist."""
+        return self._answer("inverse_all", (p, Q, redundant), options)
+
+    def inverse_status(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        redundant: ArrayLike,
+        *,
+        mode: Branch | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(status (...), excess (..., 3)): which leg cannot reach its end point, and by what distance."""
+        signs = self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "working mode")
+        excess, status = self._answer("inverse_status", (p, Q, redundant, signs), {**options, "status": True})
+        return status, excess
+
+    # -- velocity and acceleration ------------------------------------------------------------------------------
+
+    def subleg_jacobian(self, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]) -> Any:
+        """M (..., 3, 3, n): Jacobians of the sub-legs, s_dot_i = M_i theta_dot_i, (1.16), (2.15)."""
+        return self._answer("subleg_jacobian", (s, theta), options)
+
+    def jacobians(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """(J (..., 6, 6), K (..., 6, 3n)) of J t = K theta_dot, (1.31), (1.32)."""
+        return self._answer("jacobians", (p, Q, s, theta), options)
+
+    def jacobian_blocks(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """(J (..., 6, 6), K (..., 3, 2, n)): K as the legs' blocks, without the zeros."""
+        return self._answer("jacobian_blocks", (p, Q, s, theta), options)
+
+    def twist(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        theta_dot: ArrayLike,
+        **options: Unpack[Options],
+    ) -> Any:
+        """Twist [p_dot, omega] (..., 6) in the base frame from actuated joint rates."""
+        return self._answer("twist", (p, Q, s, theta, theta_dot), options)
+
+    def joint_rates(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        twist: ArrayLike,
+        redundant_rates: ArrayLike = 0.0,
+        **options: Unpack[Options],
+    ) -> Any:
+        """theta_dot (..., 3, n) from the twist and the rates of the redundant coordinates (zero unless given)."""
+        rates = self._per_leg(redundant_rates)
+        return self._answer("joint_rates", (p, Q, s, theta, twist, rates), options)
+
+    def platform_acceleration(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        twist: ArrayLike,
+        theta_dot: ArrayLike,
+        theta_ddot: ArrayLike,
+        **options: Unpack[Options],
+    ) -> Any:
+        """Rate of the twist (..., 6) from actuated joint accelerations; `twist` is the one that theta_dot gives."""
+        return self._answer("platform_acceleration", (p, Q, s, theta, twist, theta_dot, theta_ddot), options)
+
+    def joint_accelerations(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        twist: ArrayLike,
+        redundant_rates: ArrayLike,
+        theta_dot: ArrayLike,
+        twist_rate: ArrayLike,
+        redundant_accelerations: ArrayLike = 0.0,
+        **options: Unpack[Options],
+    ) -> Any:
+        """theta_ddot (..., 3, n); `theta_dot` are the rates that the twist and the redundant rates give."""
+        rates, accelerations = self._per_leg(redundant_rates), self._per_leg(redundant_accelerations)
+        inputs = (p, Q, s, theta, twist, rates, theta_dot, twist_rate, accelerations)
+        return self._answer("joint_accelerations", inputs, options)
+
+    # -- passive joints and singularities -----------------------------------------------------------------------
+
+    def passive_joints(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """Every passive joint as a named tuple; names and zeros in `robot.signature("passive_joints")`."""
+        return self._answer("passive_joints", (p, Q, s, theta), options)
+
+    def singularity(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """(type_1, factors, type_2, margins): det M_i, its factors, the factors of det J, and margins."""
+        return self._answer("singularity", (p, Q, s, theta), options)
+
+    # -- how a call is made -------------------------------------------------------------------------------------
+
+    def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
+        """Any function by name, with its inputs in the order of `signature(function)`."""
+        if function not in self.functions:
+            raise AttributeError(f"{self.identifier} has no function {function!r}; it has {', '.join(self.functions)}")
+        return self._answer(function, inputs, options)
+
+    @cached_property
+    def _backend(self) -> Backend:
+        return make_backend(self._module, self.geometry, self._backend_name)
+
+    def _answer(self, function: str, inputs: Sequence[Any], options: Options) -> Any:
+        signature = self.signature(function)
+        arrays = [np.asarray(value, dtype=float) for value in inputs]
+        self._check_shapes(signature, arrays)
+        if options.get("check_rotation", True):
+            self._check_rotation(signature, arrays)
+        out = options.get("out")
+        outs = None if out is None else (out,) if len(signature.outputs) == 1 else tuple(out)
+        *results, status = self._backend.call(function, arrays, outs)
+        if options.get("check", False):
+            self._raise_first(signature, arrays, np.asarray(status))
+        answer = results[0] if len(results) == 1 else self._tuple(function)(*results)
+        return (answer, status) if options.get("status", False) else answer
+
+    def _tuple(self, function: str) -> Any:
+        return getattr(self._module, "".join(word.capitalize() for word in function.split("_")))
+
+    def _check_shapes(self, signature: Signature, arrays: Sequence[Any]) -> None:
+        if len(arrays) != len(signature.inputs):
+            names = ", ".join(port.name for port in signature.inputs)
+            raise TypeError(f"{signature.name} takes {len(signature.inputs)} arrays ({names}), got {len(arrays)}")
+        batches = []
+        for port, array in zip(signature.inputs, arrays, strict=True):
+            core = len(port.shape)
+            if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
+                raise ValueError(
+                    f"{self.identifier}.{signature.name}: {port.name!r} has shape {array.shape}, "
+                    f"expected {_shape_text(port)}: {port.doc}"
+                )
+            batches.append(array.shape[: array.ndim - core])
+        try:
+            np.broadcast_shapes(*batches)
+        except ValueError:
+            given = ", ".join(f"{port.name} {batch}" for port, batch in zip(signature.inputs, batches, strict=True))
+            raise ValueError(
+                f"{self.identifier}.{signature.name}: batch dimensions do not broadcast: {given}"
+            ) from None
+
+    def _check_rotation(self, signature: Signature, arrays: Sequence[Any]) -> None:
+        for port, array in zip(signature.inputs, arrays, strict=True):
+            if port.name != "Q" or array.size == 0:
+                continue
+            error = np.abs(np.swapaxes(array, -1, -2) @ array - np.eye(3)).max(axis=(-1, -2))
+            # NaN passes here and gets the status INVALID_INPUT
+            bad = (error > ROTATION_TOLERANCE) | (np.linalg.det(array) < 0)
+            if np.any(bad):
+                index = np.unravel_index(np.argmax(bad), np.shape(bad))
+                raise InvalidInput(
+                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q - I| is "
+                    f"{float(error[index]):.3g} (tolerance {ROTATION_TOLERANCE:g}), det Q = "
+                    f"{float(np.linalg.det(array)[index]):.3g}; make it orthonormal, or pass check_rotation=False"
+                )
+
+    def _raise_first(self, signature: Signature, arrays: Sequence[Any], status: Any) -> None:
+        if not np.any(status):
+            return
+        index = tuple(int(i) for i in np.unravel_index(np.argmax(status != 0), np.shape(status)))
+        code = Status(int(status[index]))
+        where = f"{self.identifier}.{signature.name}{_at(index)}"
+        if code is Status.INVALID_INPUT:
+            raise InvalidInput(f"{where}: an input is NaN or infinite")
+        if code in (Status.UNREACHABLE_LEG_1, Status.UNREACHABLE_LEG_2, Status.UNREACHABLE_LEG_3):
+            leg, distance = int(code), self._distance(signature, arrays, status, index, int(code))
+            raise Unreachable(
+                f"{where}: leg {leg} cannot reach its end point; it is {distance:.6g} out of reach. Change the pose, the "
+                "redundant coordinate of that leg, or the working mode",
+                leg,
+                distance,
+                index,
+            )
+        raise Singular(f"{where}: singular configuration, {_MEANING[code]}", int(code), index)
+
+    def _distance(
+        self, signature: Signature, arrays: Sequence[Any], status: Any, index: tuple[int, ...], leg: int
+    ) -> float:
+        """By how much a leg misses its end point, where the function's inputs tell."""
+        names = [port.name for port in signature.inputs]
+        if "redundant" not in names:
+            return float("nan")
+        picked = []
+        for port, array in zip(signature.inputs, arrays, strict=True):
+            full = np.broadcast_to(array, (*np.shape(status), *port.shape))
+            picked.append(full[index])
+        by_name = dict(zip(names, picked, strict=True))
+        signs = by_name.get("mode", self._signs(None, self._module.MODES, self._module.DEFAULT_MODE, "working mode"))
+        excess, _ = self._backend.call("inverse_status", (picked[0], picked[1], by_name["redundant"], signs), None)
+        return float(np.asarray(excess)[leg - 1])
+
+    def _signs(
+        self, branch: Branch | None, table: Mapping[str, Sequence[int]], default: str, what: str
+    ) -> np.ndarray[Any, Any]:
+        """Signs (..., 3, k) of a branch given as a label, three labels, or signs."""
+        labels = [default] * 3 if branch is None else [branch] * 3 if isinstance(branch, str) else branch
+        if isinstance(labels, (list, tuple)) and all(isinstance(label, str) for label in labels):
+            unknown = [label for label in labels if label not in table]
+            if unknown or len(labels) != 3:
+                raise UnknownBranch(
+                    f"{self.identifier}: {branch!r} is not a {what}; give one of {', '.join(table)}, or one for each of the "
+                    "three legs"
+                )
+            return np.array([table[str(label)] for label in labels], dtype=float)
+        signs = np.asarray(branch, dtype=float)
+        if not np.isin(signs, (-1.0, 1.0)).all():
+            raise UnknownBranch(f"{self.identifier}: the signs of a {what} are +1 or -1, got {signs.tolist()}")
+        return signs
+
+    @staticmethod
+    def _per_leg(values: ArrayLike) -> Any:
+        array = np.asarray(values, dtype=float)
+        return np.broadcast_to(array, (3,)) if array.ndim == 0 else array
+
+
+class CasadiFunctions:
+    """A robot's kernels as casadi.Function, made on first use: `robot.casadi.inverse`."""
+
+    def __init__(self, identifier: str, geometry: Geometry) -> None:
+        from importlib import import_module
+
+        try:
+            self._module = import_module(f"krhpr.generated.casadi.{identifier}")
+        except ModuleNotFoundError as error:
+            if error.name != "casadi":
+                raise
+            raise ModuleNotFoundError("CasADi is not installed: pip install 'krhpr[casadi]'", name="casadi") from None
+        self._geometry = geometry
+        self._made: dict[tuple[str, bool], Any] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The functions that exist in CasADi: kernels, not procedures."""
+        return tuple(self._module.FUNCTIONS)
+
+    def symbolic(self, name: str) -> Any:
+        """A function with the geometry as its last input, a flat vector in the order of `Geometry.flat()`."""
+        import casadi
+
+        if (name, True) not in self._made:
+            symbol = casadi.SX.sym("geometry", 3 * len(self._module.FIELDS))
+            self._made[name, True] = self._builder(name)(symbol)
+        return self._made[name, True]
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if (name, False) not in self._made:
+            self._made[name, False] = self._builder(name)(tuple(self._geometry.flat()))
+        return self._made[name, False]
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.names]
+
+    def _builder(self, name: str) -> Any:
+        try:
+            return self._module.FUNCTIONS[name]
+        except KeyError:
+            raise AttributeError(f"no CasADi function {name!r}; there are {', '.join(self.names)}") from None
+
+
+_MEANING = {
+    Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
+    Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
+    Status.SINGULAR_LEG_3: "a factor of det M_3 vanishes",
+    Status.SINGULAR_IN_PLANE: "det J_a = 0: the lines in the platform's plane meet in a point or are parallel",
+    Status.SINGULAR_NORMAL: "det J_n = 0: the three end points are collinear",
+    Status.NO_CONVERGENCE: "an iteration did not converge",
+    Status.AMBIGUOUS: "several answers cannot be told apart",
+}
+
+
+def _shape_text(port: Port) -> str:
+    return "(" + ", ".join(["...", *map(str, port.shape)]) + ")"
+
+
+def _at(index: Sequence[Any]) -> str:
+    return f"[{', '.join(str(int(i)) for i in index)}]" if len(index) else ""
