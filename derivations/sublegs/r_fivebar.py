@@ -101,7 +101,7 @@ class RFiveBar(SubLeg):
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
         theta_1, r, y = shoulder(k, s, mode[0])
         outer = two_link(k, r, y, k.g.l_4, k.g.l_6, mode[1], elbow=False)
-        pivot = self._pivot(k, r, y, outer.inner)
+        pivot = self._pivot(k, r, y, outer.link)
         crank = two_link(k, pivot[0], pivot[1], k.g.l_2, k.g.l_3, mode[2], elbow=False, suffix="_2")
         return [theta_1, outer.inner, crank.inner], [outer.radicand, crank.radicand]
 
@@ -109,7 +109,7 @@ class RFiveBar(SubLeg):
         # the serial part c, u_1, v_1, then, where that closes, the second crank and the rod
         _, r, y = shoulder(k, s, mode[0])
         outer = two_link(k, r, y, k.g.l_4, k.g.l_6, mode[1], elbow=False)
-        pivot = self._pivot(k, r, y, outer.inner)
+        pivot = self._pivot(k, r, y, outer.link)
         rod = outside(k, k.let("reach_2", sp.sqrt(dot(pivot, pivot))), k.g.l_2, k.g.l_3)
         return k.maximum(rod, outside(k, k.let("reach_1", sp.sqrt(r**2 + y**2)), k.g.l_4, k.g.l_6))
 
@@ -169,9 +169,9 @@ class RFiveBar(SubLeg):
         v_1 = k.let("v_1", at.d - at.u_1, "(1.14)")
         return v_1, k.let("v_2", at.u_1 + self._ratio(k) * v_1 - at.u_2, "(1.15)")
 
-    def _pivot(self, k: KernelWriter, r: Any, y: Any, theta_2: Any) -> sp.Matrix:
+    def _pivot(self, k: KernelWriter, r: Any, y: Any, crank: sp.Matrix) -> sp.Matrix:
         """P - c = u_1 + w in the linkage plane, (B.2)."""
-        u_1 = k.let("u_1", k.g.l_4 * in_plane(theta_2))
+        u_1 = k.let("u_1", crank)
         return k.let("p", u_1 + self._ratio(k) * (sp.Matrix([r, y]) - u_1), "r_i = u_1 + w")
 
     @staticmethod

@@ -5,7 +5,8 @@ link.  With C = d^2 - a^2 - b^2 = 2 a b cos(psi) and S = 2 a b sin(psi),
 
     S^2 = 4 a^2 b^2 - C^2 = ((a + b)^2 - d^2) (d^2 - (a - b)^2),
 
-so psi = atan2(S, C) and the inner link is at atan2(y A - x S, x A + y S) with A = 2 a^2 + C = 2 a (a + b cos(psi)).
+so psi = atan2(S, C) and the inner link is at atan2(y A - x S, x A + y S) with A = 2 a^2 + C = 2 a (a + b cos(psi)); as a
+vector it is (x A + y S, y A - x S) / (2 d^2).
 No angle is subtracted, nothing is divided, nothing is lost where the elbow is straight or folded (the thesis' half-angle
 forms (B.14) lose the root at pi).
 """
@@ -22,11 +23,12 @@ from krhpr.codegen.writer import KernelWriter
 
 @dataclass(frozen=True)
 class TwoLink:
-    """Inner link angle, elbow angle (relative), and the radicand that decides whether there is a solution."""
+    """Inner link angle and vector, elbow angle (relative), and the radicand that decides whether there is a solution."""
 
     inner: Any
     elbow: Any
     radicand: Any
+    link: sp.Matrix
 
 
 def two_link(
@@ -39,8 +41,9 @@ def two_link(
     s = k.let(f"S{suffix}", sign * sp.sqrt(radicand), "2 a b sin")
     c = k.let(f"C{suffix}", d2 - (a**2 + b**2), "2 a b cos")
     reach = k.let(f"A{suffix}", d2 + (a**2 - b**2), "2 a (a + b cos)")
-    inner = k.atan2(y * reach - x * s, x * reach + y * s)
-    return TwoLink(inner, k.atan2(s, c) if elbow else None, radicand)
+    along, across = k.let(f"n{suffix}", x * reach + y * s), k.let(f"m{suffix}", y * reach - x * s)
+    link = sp.Matrix([along, across]) / (2 * d2)
+    return TwoLink(k.atan2(across, along), k.atan2(s, c) if elbow else None, radicand, link)
 
 
 def outside(k: KernelWriter, distance: Any, a: Any, b: Any) -> Any:

@@ -55,7 +55,7 @@ static inline int krhpr_all_finite(const double *x, int n)
 static inline void krhpr_fill_nan(double *x, int n)
 {
     for (int k = 0; k < n; ++k) {
-        x[k] = NAN;
+        x[k] = (double)NAN; /* NAN is a float */
     }
 }
 

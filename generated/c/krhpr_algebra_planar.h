@@ -38,21 +38,26 @@ static inline void krhpr_algebra_planar_difference(const double s_ddot[2], const
 }
 
 /* Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link.  (2 add, 4
- * multiply, 1 arctangent) */
-static inline void krhpr_algebra_planar_wrist(const double link[2], const double redundant_link[2], double *KRHPR_RESTRICT wrist)
+ * multiply) */
+static inline void krhpr_algebra_planar_wrist(const double link[2], const double redundant_link[2], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double wrist_a = krhpr_atan2(link[0] * redundant_link[1] - link[1] * redundant_link[0], link[0] * redundant_link[0] + link[1] * redundant_link[1]);
-    *wrist = wrist_a;
+    tail_y[0] = link[0] * redundant_link[1] - link[1] * redundant_link[0];
+    tail_x[0] = link[0] * redundant_link[0] + link[1] * redundant_link[1];
 }
 
-/* Q from phi.  Thesis: (2.5).  (1 sine cosine) */
-static inline void krhpr_algebra_planar_rotation(double phi, double *KRHPR_RESTRICT Q)
+/* Angles whose sines and cosines `rotation` reads.  (no operations) */
+static inline void krhpr_algebra_planar_rotation_angles(double phi, double *KRHPR_RESTRICT angle)
 {
-    double Q_10, Q_00; krhpr_sincos(phi, &Q_10, &Q_00);
-    Q[0] = Q_00;
-    Q[1] = -Q_10;
-    Q[2] = Q_10;
-    Q[3] = Q_00;
+    angle[0] = phi;
+}
+
+/* Q from phi.  Thesis: (2.5).  (no operations) */
+static inline void krhpr_algebra_planar_rotation(const double sine[1], const double cosine[1], double *KRHPR_RESTRICT Q)
+{
+    Q[0] = cosine[0];
+    Q[1] = -sine[0];
+    Q[2] = sine[0];
+    Q[3] = cosine[0];
 }
 
 #endif

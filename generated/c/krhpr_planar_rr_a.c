@@ -69,9 +69,17 @@ int krhpr_planar_rr_a_end_points(const krhpr_planar_rr_a_geometry *g, const doub
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -97,9 +105,21 @@ int krhpr_planar_rr_a_redundant_coordinates(const krhpr_planar_rr_a_geometry *g,
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[1];
+    double sine[1];
+    double cosine[1];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    double tail_y[3];
+    double tail_x[3];
+    double tail[3];
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
+    }
+    krhpr_atan2_array(3, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        redundant[i] = tail[1 * i + 0];
     }
     return status;
 }
@@ -124,8 +144,15 @@ int krhpr_planar_rr_a_subleg_forward(const krhpr_planar_rr_a_geometry *g, const 
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_rr_forward_angles(theta + 2 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_forward(&g->subleg[i], sine + 2 * i, cosine + 2 * i, s + 2 * i);
     }
     return status;
 }
@@ -146,14 +173,26 @@ int krhpr_planar_rr_a_subleg_forward_batch(const krhpr_planar_rr_a_geometry *g, 
 int krhpr_planar_rr_a_subleg_inverse(const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_all_finite(s, 6))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
+    double tail_y[12];
+    double tail_x[12];
+    double tail[12];
     for (int i = 0; i < 3; ++i) {
-        double radicand;
-        krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s + 2 * i, theta + 4 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+    }
+    krhpr_atan2_array(12, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[4 * i + 0] = tail[4 * i + 0];
+        theta[4 * i + 1] = tail[4 * i + 1];
+        theta[4 * i + 2] = tail[4 * i + 2];
+        theta[4 * i + 3] = tail[4 * i + 3];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 4 * i, 4);
         }
@@ -181,10 +220,17 @@ int krhpr_planar_rr_a_subleg_jacobian(const krhpr_planar_rr_a_geometry *g, const
         krhpr_fill_nan(M, 12);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double u_2[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_jacobian(&g->subleg[i], d, u_2, M + 4 * i);
     }
     return status;
@@ -211,7 +257,12 @@ int krhpr_planar_rr_a_constraints(const krhpr_planar_rr_a_geometry *g, const dou
         krhpr_fill_nan(residual, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[1];
+    double sine[1];
+    double cosine[1];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
     }
@@ -243,14 +294,22 @@ int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const doubl
     for (int k = 0; k < 18; ++k) {
         K[k] = 0.0;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double d[2];
         double u_2[2];
         double K_block[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
@@ -281,13 +340,21 @@ int krhpr_planar_rr_a_jacobian_blocks(const krhpr_planar_rr_a_geometry *g, const
         krhpr_fill_nan(K, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double d[2];
         double u_2[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K + 2 * i);
     }
     return status;
@@ -310,6 +377,7 @@ int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double 
 {
     int status = KRHPR_OK;
     double Q[4];
+    double radicand[3];
     if (mode == NULL) {
         mode = mode_default;
     }
@@ -317,13 +385,30 @@ int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double 
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    double tail_y[6];
+    double tail_x[6];
+    double tail[6];
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        double radicand;
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_inverse(&g->subleg[i], s, mode + i, theta + 2 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_rr_inverse(&g->subleg[i], s, mode + i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
+    }
+    krhpr_atan2_array(6, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[2 * i + 0] = tail[2 * i + 0];
+        theta[2 * i + 1] = tail[2 * i + 1];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 2 * i, 2);
         }
@@ -348,17 +433,37 @@ int krhpr_planar_rr_a_inverse_all(const krhpr_planar_rr_a_geometry *g, const dou
 {
     int status = KRHPR_OK;
     double Q[4];
+    double radicand[3];
     if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(redundant, 3))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    double tail_y[12];
+    double tail_x[12];
+    double tail[12];
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        double radicand;
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s, theta + 4 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+    }
+    krhpr_atan2_array(12, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[4 * i + 0] = tail[4 * i + 0];
+        theta[4 * i + 1] = tail[4 * i + 1];
+        theta[4 * i + 2] = tail[4 * i + 2];
+        theta[4 * i + 3] = tail[4 * i + 3];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 4 * i, 4);
         }
@@ -390,11 +495,21 @@ int krhpr_planar_rr_a_inverse_status(const krhpr_planar_rr_a_geometry *g, const 
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
         krhpr_subleg_planar_rr_reach(&g->subleg[i], s, mode + i, &excess[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
         }
@@ -427,7 +542,15 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double scale[2];
@@ -435,7 +558,7 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
         double u_2[2];
         double s_dot[2];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
@@ -466,20 +589,30 @@ int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const dou
 {
     int status = KRHPR_OK;
     double Q[4];
+    double regularity[3];
     if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6) & krhpr_all_finite(twist, 3) & krhpr_all_finite(redundant_rate, 3))) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s_dot[2];
         double d[2];
         double u_2[2];
-        double regularity;
         krhpr_platform_planar_a_end_velocity(&g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, s_dot, theta_dot + 2 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 2 * i, 2);
         }
@@ -512,7 +645,15 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_bias_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double scale[2];
@@ -524,8 +665,8 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
         double s_ddot[2];
         double row_bias[1];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
@@ -558,11 +699,20 @@ int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, c
 {
     int status = KRHPR_OK;
     double Q[4];
+    double regularity[3];
     if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6) & krhpr_all_finite(twist, 3) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 6) & krhpr_all_finite(twist_rate, 3) & krhpr_all_finite(redundant_acceleration, 3))) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_bias_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s_dot[2];
         double s_ddot[2];
@@ -571,13 +721,14 @@ int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, c
         double along[2];
         double d[2];
         double u_2[2];
-        double regularity;
         krhpr_platform_planar_a_end_acceleration(&g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+        krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, along, theta_ddot + 2 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, along, theta_ddot + 2 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 2 * i, 2);
         }
@@ -607,16 +758,32 @@ int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const 
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    double tail_y[6];
+    double tail_x[6];
+    double tail[6];
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double u_2[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_passive(&g->subleg[i], u_2, link);
-        krhpr_platform_planar_a_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
-        krhpr_algebra_planar_wrist(link, redundant_link, &wrist[i]);
+        krhpr_platform_planar_a_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 3 + 1 * i, tail_x + 3 + 1 * i);
+    }
+    krhpr_atan2_array(6, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        platform_joint[i] = tail[1 * i + 0];
+        wrist[i] = tail[3 + 1 * i + 0];
     }
     return status;
 }
@@ -648,12 +815,20 @@ int krhpr_planar_rr_a_singularity(const krhpr_planar_rr_a_geometry *g, const dou
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_algebra_planar_rotation(phi, Q);
+    double angle[4];
+    double sine[4];
+    double cosine[4];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double u_2[2];
         double N[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_determinant(&g->subleg[i], d, u_2, &type_1[i], factors + i);
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
@@ -676,7 +851,7 @@ int krhpr_planar_rr_a_singularity_batch(const krhpr_planar_rr_a_geometry *g, siz
 
 static const int joint_is_angle[2] = {1, 1};
 
-int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double theta_near[6], double theta[6])
+int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double theta_near[6], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[12];
@@ -686,7 +861,7 @@ int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const do
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        double nearest = INFINITY;
+        double nearest = (double)INFINITY;
         for (int mode = 0; mode < 2; ++mode) {
             double candidate[2];
             double distance = 0.0;

@@ -34,12 +34,17 @@ static inline void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geome
     g->k[1] = 1.0 / g->l_r;
 }
 
-/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply, 1 sine cosine) */
-static inline void krhpr_platform_planar_a_end_point(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], double redundant, double *KRHPR_RESTRICT s)
+/* Angles whose sines and cosines `end_point` reads.  (no operations) */
+static inline void krhpr_platform_planar_a_end_point_angles(double redundant, double *KRHPR_RESTRICT angle)
 {
-    double t1, t2; krhpr_sincos(redundant, &t1, &t2);
-    const double l_c = g->l_r * t2;
-    const double l_s = g->l_r * t1;
+    angle[0] = redundant;
+}
+
+/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
+static inline void krhpr_platform_planar_a_end_point(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
+{
+    const double l_c = g->l_r * cosine[0];
+    const double l_s = g->l_r * sine[0];
     const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* r_i in the platform frame */
     const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
     s[0] = p[0] + Q[0] * r_l_0 + Q[1] * r_l_1;
@@ -47,8 +52,8 @@ static inline void krhpr_platform_planar_a_end_point(const krhpr_platform_planar
 }
 
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
- * (10 add, 12 multiply, 1 arctangent) */
-static inline void krhpr_platform_planar_a_redundant(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT redundant)
+ * (10 add, 12 multiply) */
+static inline void krhpr_platform_planar_a_redundant(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -56,8 +61,8 @@ static inline void krhpr_platform_planar_a_redundant(const krhpr_platform_planar
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_x = Q[0] * a_0 + Q[2] * a_1;
     const double a_y = Q[1] * a_0 + Q[3] * a_1;
-    const double redundant_a = krhpr_atan2(g->e_r[1] * a_x - g->e_r[0] * a_y, g->e_r[0] * a_x + g->e_r[1] * a_y);
-    *redundant = redundant_a;
+    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
+    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.1).  (8 add, 7 multiply) */
@@ -165,9 +170,8 @@ static inline void krhpr_platform_planar_a_row_bias(const krhpr_platform_planar_
     bias[0] = bias_0;
 }
 
-/* Orientation of the redundant link and the joint that ties it to the platform.  (10 add, 14 multiply, 1
- * arctangent) */
-static inline void krhpr_platform_planar_a_joint(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
+/* Orientation of the redundant link and the joint that ties it to the platform.  (10 add, 14 multiply) */
+static inline void krhpr_platform_planar_a_joint(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -175,10 +179,10 @@ static inline void krhpr_platform_planar_a_joint(const krhpr_platform_planar_a_g
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_x = Q[0] * a_0 + Q[2] * a_1;
     const double a_y = Q[1] * a_0 + Q[3] * a_1;
-    const double platform_joint_a = krhpr_atan2(g->e_r[1] * a_x - g->e_r[0] * a_y, g->e_r[0] * a_x + g->e_r[1] * a_y);
     redundant_link[0] = a_0 * g->k[1];
     redundant_link[1] = g->k[1] * a_1;
-    *platform_joint = platform_joint_a;
+    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
+    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
 }
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27

@@ -34,12 +34,17 @@ static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geo
     g->k[1] = 1.0 / g->l_r;
 }
 
-/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply, 1 sine cosine) */
-static inline void krhpr_platform_spatial_a_end_point(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], double redundant, double *KRHPR_RESTRICT s)
+/* Angles whose sines and cosines `end_point` reads.  (no operations) */
+static inline void krhpr_platform_spatial_a_end_point_angles(double redundant, double *KRHPR_RESTRICT angle)
 {
-    double t1, t2; krhpr_sincos(redundant, &t1, &t2);
-    const double l_c = g->l_r * t2;
-    const double l_s = g->l_r * t1;
+    angle[0] = redundant;
+}
+
+/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply) */
+static inline void krhpr_platform_spatial_a_end_point(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
+{
+    const double l_c = g->l_r * cosine[0];
+    const double l_s = g->l_r * sine[0];
     const double s_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* S_i in the platform frame */
     const double s_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
     s[0] = p[0] + Q[0] * s_l_0 + Q[1] * s_l_1;
@@ -48,8 +53,8 @@ static inline void krhpr_platform_spatial_a_end_point(const krhpr_platform_spati
 }
 
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
- * (15 add, 16 multiply, 1 arctangent) */
-static inline void krhpr_platform_spatial_a_redundant(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT redundant)
+ * (15 add, 16 multiply) */
+static inline void krhpr_platform_spatial_a_redundant(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -59,8 +64,8 @@ static inline void krhpr_platform_spatial_a_redundant(const krhpr_platform_spati
     const double a_2 = p[2] + Qb_2 - s[2];
     const double a_x = Q[0] * a_0 + Q[3] * a_1 + Q[6] * a_2;
     const double a_y = Q[1] * a_0 + Q[4] * a_1 + Q[7] * a_2;
-    const double redundant_a = krhpr_atan2(g->e_r[1] * a_x - g->e_r[0] * a_y, g->e_r[0] * a_x + g->e_r[1] * a_y);
-    *redundant = redundant_a;
+    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
+    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
 }
 
 /* Residuals of the constraint equations.  Thesis: (1.1), (1.2).  (14 add, 13 multiply) */
@@ -247,9 +252,8 @@ static inline void krhpr_platform_spatial_a_row_bias(const krhpr_platform_spatia
     bias[1] = t16 - twist[0] * t1 - twist[1] * t2 - twist[2] * t3;
 }
 
-/* Orientation of the redundant link and the joint that ties it to the platform.  (18 add, 25 multiply, 1
- * arctangent) */
-static inline void krhpr_platform_spatial_a_joint(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
+/* Orientation of the redundant link and the joint that ties it to the platform.  (18 add, 25 multiply) */
+static inline void krhpr_platform_spatial_a_joint(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -265,7 +269,6 @@ static inline void krhpr_platform_spatial_a_joint(const krhpr_platform_spatial_a
     const double y_r_2 = Q[2] * x_r_1 - Q[5] * x_r_0;
     const double a_x = Q[0] * a_0 + Q[3] * a_1 + Q[6] * a_2;
     const double a_y = Q[1] * a_0 + Q[4] * a_1 + Q[7] * a_2;
-    const double platform_joint_a = krhpr_atan2(g->e_r[1] * a_x - g->e_r[0] * a_y, g->e_r[0] * a_x + g->e_r[1] * a_y);
     redundant_link[0] = x_r_0;
     redundant_link[1] = y_r_0;
     redundant_link[2] = Q[2];
@@ -275,7 +278,8 @@ static inline void krhpr_platform_spatial_a_joint(const krhpr_platform_spatial_a
     redundant_link[6] = x_r_2;
     redundant_link[7] = y_r_2;
     redundant_link[8] = Q[8];
-    *platform_joint = platform_joint_a;
+    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
+    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
 }
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64

@@ -82,8 +82,15 @@ int krhpr_spatial_r_fivebar_a_end_points(const krhpr_spatial_r_fivebar_a_geometr
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -108,8 +115,15 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates(const krhpr_spatial_r_fiveba
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
+    double tail_y[3];
+    double tail_x[3];
+    double tail[3];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+    }
+    krhpr_atan2_array(3, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        redundant[i] = tail[1 * i + 0];
     }
     return status;
 }
@@ -130,6 +144,7 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(const krhpr_spatial_r_
 int krhpr_spatial_r_fivebar_a_subleg_forward(const krhpr_spatial_r_fivebar_a_geometry *g, const double theta[9], const double assembly[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (assembly == NULL) {
         assembly = assembly_default;
     }
@@ -137,10 +152,18 @@ int krhpr_spatial_r_fivebar_a_subleg_forward(const krhpr_spatial_r_fivebar_a_geo
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
     for (int i = 0; i < 3; ++i) {
-        double radicand;
-        krhpr_subleg_r_fivebar_forward(&g->subleg[i], theta + 3 * i, assembly + i, s + 3 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_subleg_r_fivebar_forward_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_forward(&g->subleg[i], assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(s + 3 * i, 3);
         }
@@ -164,14 +187,46 @@ int krhpr_spatial_r_fivebar_a_subleg_forward_batch(const krhpr_spatial_r_fivebar
 int krhpr_spatial_r_fivebar_a_subleg_inverse(const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_all_finite(s, 9))) {
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
+    double tail_y[42];
+    double tail_x[42];
+    double tail[42];
     for (int i = 0; i < 3; ++i) {
-        double radicand;
-        krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s + 3 * i, theta + 24 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
+    }
+    krhpr_atan2_array(42, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[24 * i + 0] = tail[14 * i + 0];
+        theta[24 * i + 1] = tail[14 * i + 1];
+        theta[24 * i + 2] = tail[14 * i + 2];
+        theta[24 * i + 3] = tail[14 * i + 0];
+        theta[24 * i + 4] = tail[14 * i + 1];
+        theta[24 * i + 5] = tail[14 * i + 3];
+        theta[24 * i + 6] = tail[14 * i + 0];
+        theta[24 * i + 7] = tail[14 * i + 4];
+        theta[24 * i + 8] = tail[14 * i + 5];
+        theta[24 * i + 9] = tail[14 * i + 0];
+        theta[24 * i + 10] = tail[14 * i + 4];
+        theta[24 * i + 11] = tail[14 * i + 6];
+        theta[24 * i + 12] = tail[14 * i + 7];
+        theta[24 * i + 13] = tail[14 * i + 8];
+        theta[24 * i + 14] = tail[14 * i + 9];
+        theta[24 * i + 15] = tail[14 * i + 7];
+        theta[24 * i + 16] = tail[14 * i + 8];
+        theta[24 * i + 17] = tail[14 * i + 10];
+        theta[24 * i + 18] = tail[14 * i + 7];
+        theta[24 * i + 19] = tail[14 * i + 11];
+        theta[24 * i + 20] = tail[14 * i + 12];
+        theta[24 * i + 21] = tail[14 * i + 7];
+        theta[24 * i + 22] = tail[14 * i + 11];
+        theta[24 * i + 23] = tail[14 * i + 13];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 24 * i, 24);
         }
@@ -195,20 +250,29 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(const krhpr_spatial_r_fivebar
 int krhpr_spatial_r_fivebar_a_subleg_jacobian(const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
         double d[2];
         double u_1[2];
         double u_2[2];
-        double regularity;
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_jacobian(&g->subleg[i], x, e_2, d, u_1, u_2, M + 9 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_jacobian(&g->subleg[i], x, e_2, d, u_1, u_2, M + 9 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(M + 9 * i, 9);
         }
@@ -258,6 +322,7 @@ int krhpr_spatial_r_fivebar_a_constraints_batch(const krhpr_spatial_r_fivebar_a_
 int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
@@ -266,6 +331,13 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double x[3];
@@ -274,18 +346,20 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
         double u_1[2];
         double u_2[2];
         double K_block[6];
-        double regularity;
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K_block, &regularity);
-        if (!(regularity >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(J + 12 * i, 12);
-            krhpr_fill_nan(K_block, 6);
-        }
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(J + 12 * i, 12);
+            krhpr_fill_nan(K + 21 * i + 0, 3);
+            krhpr_fill_nan(K + 21 * i + 9, 3);
         }
     }
     return status;
@@ -307,11 +381,19 @@ int krhpr_spatial_r_fivebar_a_jacobians_batch(const krhpr_spatial_r_fivebar_a_ge
 int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double x[3];
@@ -319,11 +401,12 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_ge
         double d[2];
         double u_1[2];
         double u_2[2];
-        double regularity;
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K + 6 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(J + 12 * i, 12);
             krhpr_fill_nan(K + 6 * i, 6);
@@ -348,6 +431,7 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(const krhpr_spatial_r_fiveba
 int krhpr_spatial_r_fivebar_a_inverse(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (mode == NULL) {
         mode = mode_default;
     }
@@ -355,12 +439,29 @@ int krhpr_spatial_r_fivebar_a_inverse(const krhpr_spatial_r_fivebar_a_geometry *
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
+    double tail_y[9];
+    double tail_x[9];
+    double tail[9];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        double radicand;
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_r_fivebar_inverse(&g->subleg[i], s, mode + 3 * i, theta + 3 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_r_fivebar_inverse(&g->subleg[i], s, mode + 3 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+    }
+    krhpr_atan2_array(9, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[3 * i + 0] = tail[3 * i + 0];
+        theta[3 * i + 1] = tail[3 * i + 1];
+        theta[3 * i + 2] = tail[3 * i + 2];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 3 * i, 3);
         }
@@ -384,16 +485,55 @@ int krhpr_spatial_r_fivebar_a_inverse_batch(const krhpr_spatial_r_fivebar_a_geom
 int krhpr_spatial_r_fivebar_a_inverse_all(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
+    double tail_y[42];
+    double tail_x[42];
+    double tail[42];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        double radicand;
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s, theta + 24 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
+    }
+    krhpr_atan2_array(42, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[24 * i + 0] = tail[14 * i + 0];
+        theta[24 * i + 1] = tail[14 * i + 1];
+        theta[24 * i + 2] = tail[14 * i + 2];
+        theta[24 * i + 3] = tail[14 * i + 0];
+        theta[24 * i + 4] = tail[14 * i + 1];
+        theta[24 * i + 5] = tail[14 * i + 3];
+        theta[24 * i + 6] = tail[14 * i + 0];
+        theta[24 * i + 7] = tail[14 * i + 4];
+        theta[24 * i + 8] = tail[14 * i + 5];
+        theta[24 * i + 9] = tail[14 * i + 0];
+        theta[24 * i + 10] = tail[14 * i + 4];
+        theta[24 * i + 11] = tail[14 * i + 6];
+        theta[24 * i + 12] = tail[14 * i + 7];
+        theta[24 * i + 13] = tail[14 * i + 8];
+        theta[24 * i + 14] = tail[14 * i + 9];
+        theta[24 * i + 15] = tail[14 * i + 7];
+        theta[24 * i + 16] = tail[14 * i + 8];
+        theta[24 * i + 17] = tail[14 * i + 10];
+        theta[24 * i + 18] = tail[14 * i + 7];
+        theta[24 * i + 19] = tail[14 * i + 11];
+        theta[24 * i + 20] = tail[14 * i + 12];
+        theta[24 * i + 21] = tail[14 * i + 7];
+        theta[24 * i + 22] = tail[14 * i + 11];
+        theta[24 * i + 23] = tail[14 * i + 13];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 24 * i, 24);
         }
@@ -424,10 +564,19 @@ int krhpr_spatial_r_fivebar_a_inverse_status(const krhpr_spatial_r_fivebar_a_geo
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_r_fivebar_reach(&g->subleg[i], s, mode + 3 * i, &excess[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
         }
@@ -453,12 +602,20 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
     int status = KRHPR_OK;
     double line[18];
     double point[6];
+    double regularity[3];
     double rate[6];
     double det_regularity[2];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
@@ -468,16 +625,17 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
         double u_1[2];
         double u_2[2];
         double s_dot[3];
-        double regularity;
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
-        if (!(regularity >= 1e-12)) {
+    }
+    krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
         }
     }
-    krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
@@ -506,10 +664,18 @@ int krhpr_spatial_r_fivebar_a_twist_batch(const krhpr_spatial_r_fivebar_a_geomet
 int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
         double x[3];
@@ -517,11 +683,12 @@ int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geomet
         double d[2];
         double u_1[2];
         double u_2[2];
-        double regularity;
         krhpr_platform_spatial_a_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 3 * i, 3);
         }
@@ -547,12 +714,20 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
     int status = KRHPR_OK;
     double line[18];
     double point[6];
+    double regularity[3];
     double rate[6];
     double det_regularity[2];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_bias_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
@@ -564,21 +739,22 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
         double u_1[2];
         double u_2[2];
         double along[3];
-        double regularity;
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity);
+        krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
-        if (!(regularity >= 1e-12)) {
+    }
+    krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
         }
     }
-    krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
@@ -607,10 +783,18 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(const krhpr_spatial_r_
 int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9], const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(twist_rate, 6) & krhpr_all_finite(redundant_acceleration, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_bias_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
         double s_ddot[3];
@@ -622,13 +806,14 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_
         double d[2];
         double u_1[2];
         double u_2[2];
-        double regularity;
         krhpr_platform_spatial_a_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+        krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 3 * i, 3);
         }
@@ -658,6 +843,16 @@ int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geo
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    double tail_y[12];
+    double tail_x[12];
+    double tail[12];
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
@@ -666,10 +861,17 @@ int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geo
         double u_2[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_passive(&g->subleg[i], x, e_2, d, u_1, u_2, passive + 3 * i, link);
-        krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_passive(&g->subleg[i], x, e_2, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
+    }
+    krhpr_atan2_array(12, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        passive[3 * i + 0] = tail[3 * i + 0];
+        passive[3 * i + 1] = tail[3 * i + 1];
+        passive[3 * i + 2] = tail[3 * i + 2];
+        platform_joint[i] = tail[9 + 1 * i + 0];
     }
     return status;
 }
@@ -700,6 +902,13 @@ int krhpr_spatial_r_fivebar_a_singularity(const krhpr_spatial_r_fivebar_a_geomet
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
@@ -707,7 +916,7 @@ int krhpr_spatial_r_fivebar_a_singularity(const krhpr_spatial_r_fivebar_a_geomet
         double u_1[2];
         double u_2[2];
         double N[6];
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
@@ -730,7 +939,7 @@ int krhpr_spatial_r_fivebar_a_singularity_batch(const krhpr_spatial_r_fivebar_a_
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_r_fivebar_a_inverse_near(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double theta[9])
+int krhpr_spatial_r_fivebar_a_inverse_near(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[72];
@@ -740,7 +949,7 @@ int krhpr_spatial_r_fivebar_a_inverse_near(const krhpr_spatial_r_fivebar_a_geome
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        double nearest = INFINITY;
+        double nearest = (double)INFINITY;
         for (int mode = 0; mode < 8; ++mode) {
             double candidate[3];
             double distance = 0.0;

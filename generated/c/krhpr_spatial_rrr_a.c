@@ -72,8 +72,15 @@ int krhpr_spatial_rrr_a_end_points(const krhpr_spatial_rrr_a_geometry *g, const 
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -98,8 +105,15 @@ int krhpr_spatial_rrr_a_redundant_coordinates(const krhpr_spatial_rrr_a_geometry
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
+    double tail_y[3];
+    double tail_x[3];
+    double tail[3];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+    }
+    krhpr_atan2_array(3, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        redundant[i] = tail[1 * i + 0];
     }
     return status;
 }
@@ -124,8 +138,15 @@ int krhpr_spatial_rrr_a_subleg_forward(const krhpr_spatial_rrr_a_geometry *g, co
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[9];
+    double sine[9];
+    double cosine[9];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_forward(&g->subleg[i], theta + 3 * i, s + 3 * i);
+        krhpr_subleg_rrr_forward_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 3 * i);
     }
     return status;
 }
@@ -146,14 +167,34 @@ int krhpr_spatial_rrr_a_subleg_forward_batch(const krhpr_spatial_rrr_a_geometry 
 int krhpr_spatial_rrr_a_subleg_inverse(const krhpr_spatial_rrr_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_all_finite(s, 9))) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
+    double tail_y[24];
+    double tail_x[24];
+    double tail[24];
     for (int i = 0; i < 3; ++i) {
-        double radicand;
-        krhpr_subleg_rrr_inverse_all(&g->subleg[i], s + 3 * i, theta + 12 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_subleg_rrr_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
+    }
+    krhpr_atan2_array(24, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[12 * i + 0] = tail[8 * i + 0];
+        theta[12 * i + 1] = tail[8 * i + 1];
+        theta[12 * i + 2] = tail[8 * i + 2];
+        theta[12 * i + 3] = tail[8 * i + 0];
+        theta[12 * i + 4] = tail[8 * i + 3];
+        theta[12 * i + 5] = tail[8 * i + 4];
+        theta[12 * i + 6] = tail[8 * i + 5];
+        theta[12 * i + 7] = tail[8 * i + 6];
+        theta[12 * i + 8] = tail[8 * i + 2];
+        theta[12 * i + 9] = tail[8 * i + 5];
+        theta[12 * i + 10] = tail[8 * i + 7];
+        theta[12 * i + 11] = tail[8 * i + 4];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 12 * i, 12);
         }
@@ -181,12 +222,19 @@ int krhpr_spatial_rrr_a_subleg_jacobian(const krhpr_spatial_rrr_a_geometry *g, c
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_jacobian(&g->subleg[i], x, e_2, d, v_1, M + 9 * i);
     }
     return status;
@@ -242,6 +290,13 @@ int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const d
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double x[3];
@@ -250,7 +305,7 @@ int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const d
         double v_1[2];
         double K_block[6];
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
@@ -281,6 +336,13 @@ int krhpr_spatial_rrr_a_jacobian_blocks(const krhpr_spatial_rrr_a_geometry *g, c
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double x[3];
@@ -288,7 +350,7 @@ int krhpr_spatial_rrr_a_jacobian_blocks(const krhpr_spatial_rrr_a_geometry *g, c
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K + 6 * i);
     }
     return status;
@@ -310,6 +372,7 @@ int krhpr_spatial_rrr_a_jacobian_blocks_batch(const krhpr_spatial_rrr_a_geometry
 int krhpr_spatial_rrr_a_inverse(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (mode == NULL) {
         mode = mode_default;
     }
@@ -317,12 +380,29 @@ int krhpr_spatial_rrr_a_inverse(const krhpr_spatial_rrr_a_geometry *g, const dou
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
+    double tail_y[9];
+    double tail_x[9];
+    double tail[9];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        double radicand;
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrr_inverse(&g->subleg[i], s, mode + 2 * i, theta + 3 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_rrr_inverse(&g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+    }
+    krhpr_atan2_array(9, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[3 * i + 0] = tail[3 * i + 0];
+        theta[3 * i + 1] = tail[3 * i + 1];
+        theta[3 * i + 2] = tail[3 * i + 2];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 3 * i, 3);
         }
@@ -346,16 +426,43 @@ int krhpr_spatial_rrr_a_inverse_batch(const krhpr_spatial_rrr_a_geometry *g, siz
 int krhpr_spatial_rrr_a_inverse_all(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
+    double tail_y[24];
+    double tail_x[24];
+    double tail[24];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        double radicand;
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrr_inverse_all(&g->subleg[i], s, theta + 12 * i, &radicand);
-        if (!(radicand >= 0.0)) {
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_rrr_inverse_all(&g->subleg[i], s, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
+    }
+    krhpr_atan2_array(24, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        theta[12 * i + 0] = tail[8 * i + 0];
+        theta[12 * i + 1] = tail[8 * i + 1];
+        theta[12 * i + 2] = tail[8 * i + 2];
+        theta[12 * i + 3] = tail[8 * i + 0];
+        theta[12 * i + 4] = tail[8 * i + 3];
+        theta[12 * i + 5] = tail[8 * i + 4];
+        theta[12 * i + 6] = tail[8 * i + 5];
+        theta[12 * i + 7] = tail[8 * i + 6];
+        theta[12 * i + 8] = tail[8 * i + 2];
+        theta[12 * i + 9] = tail[8 * i + 5];
+        theta[12 * i + 10] = tail[8 * i + 7];
+        theta[12 * i + 11] = tail[8 * i + 4];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(theta + 12 * i, 12);
         }
@@ -386,10 +493,19 @@ int krhpr_spatial_rrr_a_inverse_status(const krhpr_spatial_rrr_a_geometry *g, co
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[3];
+    double sine[3];
+    double cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
+    }
+    krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_rrr_reach(&g->subleg[i], s, mode + 2 * i, &excess[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
         }
@@ -421,6 +537,13 @@ int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const doubl
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
@@ -430,7 +553,7 @@ int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const doubl
         double v_1[2];
         double s_dot[3];
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
@@ -463,21 +586,30 @@ int krhpr_spatial_rrr_a_twist_batch(const krhpr_spatial_rrr_a_geometry *g, size_
 int krhpr_spatial_rrr_a_joint_rates(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
         double x[3];
         double e_2[3];
         double d[2];
         double v_1[2];
-        double regularity;
         krhpr_platform_spatial_a_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_dot + 3 * i, 3);
         }
@@ -509,6 +641,13 @@ int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_bias_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double scale[2];
@@ -522,8 +661,8 @@ int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
@@ -558,10 +697,18 @@ int krhpr_spatial_rrr_a_platform_acceleration_batch(const krhpr_spatial_rrr_a_ge
 int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9], const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
+    double regularity[3];
     if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(twist_rate, 6) & krhpr_all_finite(redundant_acceleration, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_bias_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s_dot[3];
         double s_ddot[3];
@@ -572,13 +719,14 @@ int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *
         double e_2[3];
         double d[2];
         double v_1[2];
-        double regularity;
         krhpr_platform_spatial_a_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity);
-        if (!(regularity >= 1e-12)) {
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 3 * i, 3);
         }
@@ -607,6 +755,16 @@ int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, co
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
+    double tail_y[3];
+    double tail_x[3];
+    double tail[3];
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
@@ -614,10 +772,14 @@ int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, co
         double v_1[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_passive(&g->subleg[i], x, e_2, v_1, link);
-        krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
+    }
+    krhpr_atan2_array(3, tail_y, tail_x, tail);
+    for (int i = 0; i < 3; ++i) {
+        platform_joint[i] = tail[1 * i + 0];
     }
     return status;
 }
@@ -648,13 +810,20 @@ int krhpr_spatial_rrr_a_singularity(const krhpr_spatial_rrr_a_geometry *g, const
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
+    double angle[6];
+    double sine[6];
+    double cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
         double d[2];
         double v_1[2];
         double N[6];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + 2 * i);
         krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
@@ -677,7 +846,7 @@ int krhpr_spatial_rrr_a_singularity_batch(const krhpr_spatial_rrr_a_geometry *g,
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_rrr_a_inverse_near(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double theta[9])
+int krhpr_spatial_rrr_a_inverse_near(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[36];
@@ -687,7 +856,7 @@ int krhpr_spatial_rrr_a_inverse_near(const krhpr_spatial_rrr_a_geometry *g, cons
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        double nearest = INFINITY;
+        double nearest = (double)INFINITY;
         for (int mode = 0; mode < 4; ++mode) {
             double candidate[3];
             double distance = 0.0;

@@ -40,31 +40,38 @@ static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometr
     g->k[6] = 1.0 / g->l_2;
 }
 
-/* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (5 add, 4 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_planar_rr_forward(const krhpr_subleg_planar_rr_geometry *g, const double theta[2], double *KRHPR_RESTRICT s)
+/* Angles whose sines and cosines `forward` reads.  (1 add) */
+static inline void krhpr_subleg_planar_rr_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
-    const double t1 = theta[0] + theta[1];
-    double t2, t3; krhpr_sincos(t1, &t2, &t3);
-    const double u_2_0 = g->l_2 * t3; /* second link */
-    const double u_2_1 = g->l_2 * t2;
-    double t4, t5; krhpr_sincos(theta[0], &t4, &t5);
-    const double d_0 = u_2_0 + g->l_1 * t5; /* r - o */
-    const double d_1 = u_2_1 + g->l_1 * t4;
+    angle[0] = theta[0] + theta[1];
+    angle[1] = theta[0];
+}
+
+/* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
+static inline void krhpr_subleg_planar_rr_forward(const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s)
+{
+    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
+    const double u_2_1 = g->l_2 * sine[0];
+    const double d_0 = u_2_0 + g->l_1 * cosine[1]; /* r - o */
+    const double d_1 = u_2_1 + g->l_1 * sine[1];
     s[0] = g->o[0] + d_0;
     s[1] = g->o[1] + d_1;
 }
 
-/* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (5 add, 4 multiply, 2
- * sine cosine) */
-static inline void krhpr_subleg_planar_rr_forward_posture(const krhpr_subleg_planar_rr_geometry *g, const double theta[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+/* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
+static inline void krhpr_subleg_planar_rr_forward_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
-    const double t1 = theta[0] + theta[1];
-    double t2, t3; krhpr_sincos(t1, &t2, &t3);
-    const double u_2_0 = g->l_2 * t3; /* second link */
-    const double u_2_1 = g->l_2 * t2;
-    double t4, t5; krhpr_sincos(theta[0], &t4, &t5);
-    const double d_0 = u_2_0 + g->l_1 * t5; /* r - o */
-    const double d_1 = u_2_1 + g->l_1 * t4;
+    angle[0] = theta[0] + theta[1];
+    angle[1] = theta[0];
+}
+
+/* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
+static inline void krhpr_subleg_planar_rr_forward_posture(const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+{
+    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
+    const double u_2_1 = g->l_2 * sine[0];
+    const double d_0 = u_2_0 + g->l_1 * cosine[1]; /* r - o */
+    const double d_1 = u_2_1 + g->l_1 * sine[1];
     s[0] = g->o[0] + d_0;
     s[1] = g->o[1] + d_1;
     d[0] = d_0;
@@ -74,8 +81,8 @@ static inline void krhpr_subleg_planar_rr_forward_posture(const krhpr_subleg_pla
 }
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_rr_inverse(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1], double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
+ * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
+static inline void krhpr_subleg_planar_rr_inverse(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
@@ -84,14 +91,18 @@ static inline void krhpr_subleg_planar_rr_inverse(const krhpr_subleg_planar_rr_g
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
     const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
     const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
-    theta[0] = krhpr_atan2(d_1 * A - d_0 * S, d_0 * A + d_1 * S);
-    theta[1] = krhpr_atan2(S, C);
+    const double n = d_0 * A + d_1 * S;
+    const double m = d_1 * A - d_0 * S;
     *radicand = h2;
+    tail_y[0] = m;
+    tail_y[1] = S;
+    tail_x[0] = n;
+    tail_x[1] = C;
 }
 
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root, 4 arctangent) */
-static inline void krhpr_subleg_planar_rr_inverse_all(const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
+ * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
+static inline void krhpr_subleg_planar_rr_inverse_all(const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
@@ -100,16 +111,24 @@ static inline void krhpr_subleg_planar_rr_inverse_all(const krhpr_subleg_planar_
     const double S = sqrt(h2); /* 2 a b sin */
     const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
     const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
-    const double t1 = d_1 * A;
-    const double t2 = d_0 * S;
-    const double t3 = d_0 * A;
-    const double t4 = d_1 * S;
+    const double t1 = d_0 * A;
+    const double t2 = d_1 * S;
+    const double n = t1 + t2;
+    const double t3 = d_1 * A;
+    const double t4 = d_0 * S;
+    const double m = t3 - t4;
     const double S_a = -S; /* 2 a b sin */
-    theta[0] = krhpr_atan2(t1 - t2, t3 + t4);
-    theta[1] = krhpr_atan2(S, C);
-    theta[2] = krhpr_atan2(t1 + t2, t3 - t4);
-    theta[3] = krhpr_atan2(S_a, C);
+    const double n_a = t1 - t2;
+    const double m_a = t3 + t4;
     *radicand = h2;
+    tail_y[0] = m;
+    tail_y[1] = S;
+    tail_y[2] = m_a;
+    tail_y[3] = S_a;
+    tail_x[0] = n;
+    tail_x[1] = C;
+    tail_x[2] = n_a;
+    tail_x[3] = C;
 }
 
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square
@@ -123,17 +142,22 @@ static inline void krhpr_subleg_planar_rr_reach(const krhpr_subleg_planar_rr_geo
     *excess = krhpr_max(distance - g->l_1 - g->l_2, g->k[4] - distance);
 }
 
-/* Posture of the RR sub-leg: the vectors that its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4
- * add, 2 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rr_posture(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+/* Angles whose sines and cosines `posture` reads.  (no operations) */
+static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
+    angle[0] = theta[0];
+}
+
+/* Posture of the RR sub-leg: the vectors that its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4
+ * add, 2 multiply) */
+static inline void krhpr_subleg_planar_rr_posture(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+{
+    const double d_0 = s[0] - g->o[0];
     const double d_1 = s[1] - g->o[1];
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
     d[0] = d_0;
     d[1] = d_1;
-    u_2[0] = d_0 - g->l_1 * t2;
-    u_2[1] = d_1 - g->l_1 * t1;
+    u_2[0] = d_0 - g->l_1 * cosine[0];
+    u_2[1] = d_1 - g->l_1 * sine[0];
 }
 
 /* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
@@ -167,22 +191,27 @@ static inline void krhpr_subleg_planar_rr_velocity(const krhpr_subleg_planar_rr_
     s_dot[1] = w_1;
 }
 
+/* Angles whose sines and cosines `bias` reads.  (no operations) */
+static inline void krhpr_subleg_planar_rr_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = theta[0];
+}
+
 /* Velocity of the end point of the RR sub-leg and the part of its acceleration that does not depend on
- * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rr_bias(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+ * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14 multiply) */
+static inline void krhpr_subleg_planar_rr_bias(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta_dot[2], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
-    double t1, t2; krhpr_sincos(theta[0], &t1, &t2);
-    const double u_2_0 = d_0 - g->l_1 * t2; /* second link */
-    const double u_2_1 = d_1 - g->l_1 * t1;
-    const double t3 = theta_dot[0] * d_1 + theta_dot[1] * u_2_1;
+    const double u_2_0 = d_0 - g->l_1 * cosine[0]; /* second link */
+    const double u_2_1 = d_1 - g->l_1 * sine[0];
+    const double t1 = theta_dot[0] * d_1 + theta_dot[1] * u_2_1;
     const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * u_2_0;
-    const double t4 = theta_dot[0] * s_dot_1 + theta_dot[1] * (s_dot_1 - g->l_1 * (theta_dot[0] * t2));
-    s_dot[0] = -t3;
+    const double t2 = theta_dot[0] * s_dot_1 + theta_dot[1] * (s_dot_1 - g->l_1 * (theta_dot[0] * cosine[0]));
+    s_dot[0] = -t1;
     s_dot[1] = s_dot_1;
-    bias[0] = -t4;
-    bias[1] = theta_dot[1] * (g->l_1 * (theta_dot[0] * t1) - t3) - theta_dot[0] * t3;
+    bias[0] = -t2;
+    bias[1] = theta_dot[1] * (g->l_1 * (theta_dot[0] * sine[0]) - t1) - theta_dot[0] * t1;
 }
 
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it

@@ -80,30 +80,35 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
     g->k[19] = 1.0 - g->l_5 * k_18;
 }
 
-/* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 28 multiply, 1
- * divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_geometry *g, const double theta[3], const double assembly[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+/* Angles whose sines and cosines `forward` reads.  (no operations) */
+static inline void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2; /* E - c in (x, e_1) */
-    const double u_1_1 = g->l_4 * t1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4; /* C - c in (x, e_1) */
-    const double u_2_1 = g->l_2 * t3;
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+    angle[2] = theta[2];
+}
+
+/* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 28 multiply, 1
+ * divide, 1 square root) */
+static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
+    const double u_1_0 = g->l_4 * cosine[1]; /* E - c in (x, e_1) */
+    const double u_1_1 = g->l_4 * sine[1];
+    const double u_2_0 = g->l_2 * cosine[2]; /* C - c in (x, e_1) */
+    const double u_2_1 = g->l_2 * sine[2];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double t5 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t5;
-    const double h2 = g->k[0] * t5 - along * along;
+    const double t1 = 1.0 / d2;
+    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
+    const double h2 = g->k[0] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
-    const double t6 = along - 1.0;
-    const double w_0 = f_0 * t6 - f_1 * across; /* P - E */
-    const double w_1 = f_0 * across + f_1 * t6;
+    const double t2 = along - 1.0;
+    const double w_0 = f_0 * t2 - f_1 * across; /* P - E */
+    const double w_1 = f_0 * across + f_1 * t2;
     const double d_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
     const double d_1 = u_1_1 + w_1 * g->k[2];
     s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
@@ -112,30 +117,35 @@ static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_g
     *radicand = h2;
 }
 
-/* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 33
- * multiply, 1 divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_fivebar_geometry *g, const double theta[3], const double assembly[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
+/* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
+static inline void krhpr_subleg_r_fivebar_forward_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2; /* E - c in (x, e_1) */
-    const double u_1_1 = g->l_4 * t1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4; /* C - c in (x, e_1) */
-    const double u_2_1 = g->l_2 * t3;
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+    angle[2] = theta[2];
+}
+
+/* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 33
+ * multiply, 1 divide, 1 square root) */
+static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
+    const double u_1_0 = g->l_4 * cosine[1]; /* E - c in (x, e_1) */
+    const double u_1_1 = g->l_4 * sine[1];
+    const double u_2_0 = g->l_2 * cosine[2]; /* C - c in (x, e_1) */
+    const double u_2_1 = g->l_2 * sine[2];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double t5 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t5;
-    const double h2 = g->k[0] * t5 - along * along;
+    const double t1 = 1.0 / d2;
+    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
+    const double h2 = g->k[0] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
-    const double t6 = along - 1.0;
-    const double w_0 = f_0 * t6 - f_1 * across; /* P - E */
-    const double w_1 = f_0 * across + f_1 * t6;
+    const double t2 = along - 1.0;
+    const double w_0 = f_0 * t2 - f_1 * across; /* P - E */
+    const double w_1 = f_0 * across + f_1 * t2;
     const double d_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
     const double d_1 = u_1_1 + w_1 * g->k[2];
     s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
@@ -144,9 +154,9 @@ static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_f
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2] = g->e_x[2] * sin_1;
+    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
+    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
+    e_2[2] = g->e_x[2] * sine[0];
     d[0] = d_0;
     d[1] = d_1;
     u_1[0] = u_1_0;
@@ -157,9 +167,8 @@ static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_f
 }
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: App. B.  (27 add, 33 multiply, 3 square root, 1 sine cosine, 3
- * arctangent, 1 select) */
-static inline void krhpr_subleg_r_fivebar_inverse(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3], double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
+ * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
+static inline void krhpr_subleg_r_fivebar_inverse(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -172,27 +181,33 @@ static inline void krhpr_subleg_r_fivebar_inverse(const krhpr_subleg_r_fivebar_g
     const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
     const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
-    const double theta_1 = krhpr_atan2(y * A - r * S, r * A + y * S);
-    double t1, t2; krhpr_sincos(theta_1, &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
+    const double n = r * A + y * S;
+    const double m = y * A - r * S;
+    const double t1 = 1.0 / d2;
+    const double u_1_0 = n * 0.5 * t1;
+    const double u_1_1 = t1 * (m * 0.5);
     const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* r_i = u_1 + w */
     const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
     const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[2] * sqrt(h2_2); /* 2 a b sin */
     const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
-    theta[0] = krhpr_atan2(-mode[0] * d_t, mode[0] * d_x);
-    theta[1] = theta_1;
-    theta[2] = krhpr_atan2(p_1 * A_2 - p_0 * S_2, p_0 * A_2 + p_1 * S_2);
+    const double n_2 = p_0 * A_2 + p_1 * S_2;
+    const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
+    tail_y[0] = -mode[0] * d_t;
+    tail_y[1] = m;
+    tail_y[2] = m_2;
+    tail_x[0] = mode[0] * d_x;
+    tail_x[1] = n;
+    tail_x[2] = n_2;
 }
 
 /* Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
- * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (71 add, 61 multiply, 6 square root,
- * 4 sine cosine, 14 arctangent, 7 select) */
-static inline void krhpr_subleg_r_fivebar_inverse_all(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
+ * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
+ * square root, 7 select) */
+static inline void krhpr_subleg_r_fivebar_inverse_all(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -201,105 +216,116 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(const krhpr_subleg_r_fiveb
     const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
     const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
     const double r = sqrt(d_t * d_t + d_x * d_x);
-    const double theta_0 = krhpr_atan2(-d_t, d_x);
     const double d2 = r * r + y * y;
     const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
     const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
-    const double t1 = y * A;
-    const double t2 = r * S;
-    const double t3 = t1 - t2;
-    const double t4 = r * A;
-    const double t5 = y * S;
-    const double t6 = t4 + t5;
-    const double theta_1 = krhpr_atan2(t3, t6);
-    double t7, t8; krhpr_sincos(theta_1, &t7, &t8);
-    const double u_1_0 = g->l_4 * t8;
-    const double u_1_1 = g->l_4 * t7;
+    const double t1 = r * A;
+    const double t2 = y * S;
+    const double n = t1 + t2;
+    const double t3 = y * A;
+    const double t4 = r * S;
+    const double m = t3 - t4;
+    const double t5 = 1.0 / d2;
+    const double u_1_0 = n * 0.5 * t5;
+    const double u_1_1 = t5 * (m * 0.5);
     const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* r_i = u_1 + w */
     const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
-    const double d2_2 = p_0 * p_0 + p_1 * p_1;
+    const double t6 = p_1 * p_1;
+    const double d2_2 = p_0 * p_0 + t6;
     const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
     const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double t7 = p_0 * A_2;
+    const double t8 = p_1 * S_2;
+    const double n_2 = t7 + t8;
     const double t9 = p_1 * A_2;
     const double t10 = p_0 * S_2;
-    const double t11 = p_0 * A_2;
-    const double t12 = p_1 * S_2;
-    const double t13 = t1 + t2;
-    const double theta_1_a = krhpr_atan2(t13, t4 - t5);
-    double t14, t15; krhpr_sincos(theta_1_a, &t14, &t15);
-    const double u_1_0_a = g->l_4 * t15;
-    const double u_1_1_a = g->l_4 * t14;
+    const double m_2 = t9 - t10;
+    const double n_2_a = t7 - t8;
+    const double m_2_a = t9 + t10;
+    const double n_a = t1 - t2;
+    const double m_a = t3 + t4;
+    const double u_1_0_a = t5 * (0.5 * n_a);
+    const double u_1_1_a = t5 * (0.5 * m_a);
     const double p_0_a = u_1_0_a + g->k[7] * (r - u_1_0_a); /* r_i = u_1 + w */
     const double p_1_a = u_1_1_a + g->k[7] * (y - u_1_1_a);
-    const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
+    const double t11 = p_1_a * p_1_a;
+    const double d2_2_a = p_0_a * p_0_a + t11;
     const double h2_2_a = (d2_2_a - g->k[8]) * (g->k[9] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
     const double A_2_a = g->k[10] + d2_2_a - g->k[0]; /* 2 a (a + b cos) */
-    const double t16 = p_1_a * A_2_a;
-    const double t17 = p_0_a * S_2_a;
-    const double t18 = p_0_a * A_2_a;
-    const double t19 = p_1_a * S_2_a;
-    const double theta_0_a = krhpr_atan2(d_t, -d_x);
-    const double theta_1_b = krhpr_atan2(t13, t5 - t4);
-    double t20, t21; krhpr_sincos(theta_1_b, &t20, &t21);
-    const double u_1_0_b = g->l_4 * t21;
-    const double u_1_1_b = g->l_4 * t20;
+    const double t12 = p_0_a * A_2_a;
+    const double t13 = p_1_a * S_2_a;
+    const double n_2_b = t12 + t13;
+    const double t14 = p_1_a * A_2_a;
+    const double t15 = p_0_a * S_2_a;
+    const double m_2_b = t14 - t15;
+    const double n_2_c = t12 - t13;
+    const double m_2_c = t14 + t15;
+    const double n_b = t2 - t1;
+    const double u_1_0_b = t5 * (0.5 * n_b);
     const double p_0_b = u_1_0_b - g->k[7] * (r + u_1_0_b); /* r_i = u_1 + w */
-    const double p_1_b = u_1_1_b + g->k[7] * (y - u_1_1_b);
-    const double d2_2_b = p_0_b * p_0_b + p_1_b * p_1_b;
+    const double d2_2_b = t11 + p_0_b * p_0_b;
     const double h2_2_b = (d2_2_b - g->k[8]) * (g->k[9] - d2_2_b); /* 4 a^2 b^2 sin^2 */
     const double S_2_b = sqrt(h2_2_b); /* 2 a b sin */
     const double A_2_b = g->k[10] + d2_2_b - g->k[0]; /* 2 a (a + b cos) */
-    const double t22 = p_1_b * A_2_b;
-    const double t23 = p_0_b * S_2_b;
-    const double t24 = p_0_b * A_2_b;
-    const double t25 = p_1_b * S_2_b;
-    const double theta_1_c = krhpr_atan2(t3, -t6);
-    double t26, t27; krhpr_sincos(theta_1_c, &t26, &t27);
-    const double u_1_0_c = g->l_4 * t27;
-    const double u_1_1_c = g->l_4 * t26;
-    const double p_0_c = u_1_0_c - g->k[7] * (r + u_1_0_c); /* r_i = u_1 + w */
-    const double p_1_c = u_1_1_c + g->k[7] * (y - u_1_1_c);
-    const double d2_2_c = p_0_c * p_0_c + p_1_c * p_1_c;
+    const double t16 = p_0_b * A_2_b;
+    const double t17 = p_1_a * S_2_b;
+    const double n_2_d = t16 + t17;
+    const double t18 = p_1_a * A_2_b;
+    const double t19 = p_0_b * S_2_b;
+    const double m_2_d = t18 - t19;
+    const double n_2_e = t16 - t17;
+    const double m_2_e = t18 + t19;
+    const double n_c = -n;
+    const double p_0_c = g->k[7] * (u_1_0 - r) - u_1_0; /* r_i = u_1 + w */
+    const double d2_2_c = t6 + p_0_c * p_0_c;
     const double h2_2_c = (d2_2_c - g->k[8]) * (g->k[9] - d2_2_c); /* 4 a^2 b^2 sin^2 */
     const double S_2_c = sqrt(h2_2_c); /* 2 a b sin */
     const double A_2_c = g->k[10] + d2_2_c - g->k[0]; /* 2 a (a + b cos) */
-    const double t28 = p_1_c * A_2_c;
-    const double t29 = p_0_c * S_2_c;
-    const double t30 = p_0_c * A_2_c;
-    const double t31 = p_1_c * S_2_c;
-    const double t32 = krhpr_max(krhpr_max(krhpr_min(h2, h2_2), krhpr_min(h2, h2_2_a)), krhpr_min(h2, h2_2_b));
-    theta[0] = theta_0;
-    theta[1] = theta_1;
-    theta[2] = krhpr_atan2(t9 - t10, t11 + t12);
-    theta[3] = theta_0;
-    theta[4] = theta_1;
-    theta[5] = krhpr_atan2(t9 + t10, t11 - t12);
-    theta[6] = theta_0;
-    theta[7] = theta_1_a;
-    theta[8] = krhpr_atan2(t16 - t17, t18 + t19);
-    theta[9] = theta_0;
-    theta[10] = theta_1_a;
-    theta[11] = krhpr_atan2(t16 + t17, t18 - t19);
-    theta[12] = theta_0_a;
-    theta[13] = theta_1_b;
-    theta[14] = krhpr_atan2(t22 - t23, t24 + t25);
-    theta[15] = theta_0_a;
-    theta[16] = theta_1_b;
-    theta[17] = krhpr_atan2(t22 + t23, t24 - t25);
-    theta[18] = theta_0_a;
-    theta[19] = theta_1_c;
-    theta[20] = krhpr_atan2(t28 - t29, t30 + t31);
-    theta[21] = theta_0_a;
-    theta[22] = theta_1_c;
-    theta[23] = krhpr_atan2(t28 + t29, t30 - t31);
-    *radicand = krhpr_max(t32, krhpr_min(h2, h2_2_c));
+    const double t20 = p_0_c * A_2_c;
+    const double t21 = p_1 * S_2_c;
+    const double n_2_f = t20 + t21;
+    const double t22 = p_1 * A_2_c;
+    const double t23 = p_0_c * S_2_c;
+    const double m_2_f = t22 - t23;
+    const double n_2_g = t20 - t21;
+    const double m_2_g = t22 + t23;
+    const double t24 = krhpr_max(krhpr_max(krhpr_min(h2, h2_2), krhpr_min(h2, h2_2_a)), krhpr_min(h2, h2_2_b));
+    *radicand = krhpr_max(t24, krhpr_min(h2, h2_2_c));
+    tail_y[0] = -d_t;
+    tail_y[1] = m;
+    tail_y[2] = m_2;
+    tail_y[3] = m_2_a;
+    tail_y[4] = m_a;
+    tail_y[5] = m_2_b;
+    tail_y[6] = m_2_c;
+    tail_y[7] = d_t;
+    tail_y[8] = m_a;
+    tail_y[9] = m_2_d;
+    tail_y[10] = m_2_e;
+    tail_y[11] = m;
+    tail_y[12] = m_2_f;
+    tail_y[13] = m_2_g;
+    tail_x[0] = d_x;
+    tail_x[1] = n;
+    tail_x[2] = n_2;
+    tail_x[3] = n_2_a;
+    tail_x[4] = n_a;
+    tail_x[5] = n_2_b;
+    tail_x[6] = n_2_c;
+    tail_x[7] = -d_x;
+    tail_x[8] = n_b;
+    tail_x[9] = n_2_d;
+    tail_x[10] = n_2_e;
+    tail_x[11] = n_c;
+    tail_x[12] = n_2_f;
+    tail_x[13] = n_2_g;
 }
 
-/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 25 multiply, 4
- * square root, 1 sine cosine, 1 arctangent, 3 select) */
+/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
+ * divide, 4 square root, 3 select) */
 static inline void krhpr_subleg_r_fivebar_reach(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3], double *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
@@ -313,10 +339,11 @@ static inline void krhpr_subleg_r_fivebar_reach(const krhpr_subleg_r_fivebar_geo
     const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
     const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
-    const double t1 = krhpr_atan2(y * A - r * S, r * A + y * S);
-    double t2, t3; krhpr_sincos(t1, &t2, &t3);
-    const double u_1_0 = g->l_4 * t3;
-    const double u_1_1 = g->l_4 * t2;
+    const double n = r * A + y * S;
+    const double m = y * A - r * S;
+    const double t1 = 1.0 / d2;
+    const double u_1_0 = n * 0.5 * t1;
+    const double u_1_1 = t1 * (m * 0.5);
     const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* r_i = u_1 + w */
     const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
@@ -325,31 +352,36 @@ static inline void krhpr_subleg_r_fivebar_reach(const krhpr_subleg_r_fivebar_geo
     *excess = excess_a;
 }
 
-/* Posture of the R(RR-RRR) sub-leg: the vectors that its velocity equations are made of.  Thesis: App. B.
- * (11 add, 20 multiply, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
+/* Angles whose sines and cosines `posture` reads.  (no operations) */
+static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+    angle[2] = theta[2];
+}
+
+/* Posture of the R(RR-RRR) sub-leg: the vectors that its velocity equations are made of.  Thesis: App. B.
+ * (11 add, 20 multiply) */
+static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
     const double arm_0 = s[0] - g->c[0]; /* s - c */
     const double arm_1 = s[1] - g->c[1];
     const double arm_2 = s[2] - g->c[2];
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2] = g->e_x[2] * sin_1;
+    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
+    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
+    e_2[2] = g->e_x[2] * sine[0];
     d[0] = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
     d[1] = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    u_1[0] = g->l_4 * t2;
-    u_1[1] = g->l_4 * t1;
-    u_2[0] = g->l_2 * t4;
-    u_2[1] = g->l_2 * t3;
+    u_1[0] = g->l_4 * cosine[1];
+    u_1[1] = g->l_4 * sine[1];
+    u_2[0] = g->l_2 * cosine[2];
+    u_2[1] = g->l_2 * sine[2];
 }
 
 /* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 39
@@ -449,83 +481,87 @@ static inline void krhpr_subleg_r_fivebar_velocity(const krhpr_subleg_r_fivebar_
     *regularity = fabs(delta / g->k[14]);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147 multiply, 1 divide, 3
- * sine cosine) */
-static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta[3], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+/* Angles whose sines and cosines `bias` reads.  (no operations) */
+static inline void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+    angle[2] = theta[2];
+}
+
+/* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147 multiply, 1 divide) */
+static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta_dot[3], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
+    const double e_2_0 = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
+    const double e_2_2 = g->e_x[2] * sine[0];
     const double arm_0 = s[0] - g->c[0]; /* s - c */
     const double arm_1 = s[1] - g->c[1];
     const double arm_2 = s[2] - g->c[2];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
     const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double u_1_0 = g->l_4 * t2;
-    const double u_1_1 = g->l_4 * t1;
-    double t3, t4; krhpr_sincos(theta[2], &t3, &t4);
-    const double u_2_0 = g->l_2 * t4;
-    const double u_2_1 = g->l_2 * t3;
+    const double u_1_0 = g->l_4 * cosine[1];
+    const double u_1_1 = g->l_4 * sine[1];
+    const double u_2_0 = g->l_2 * cosine[2];
+    const double u_2_1 = g->l_2 * sine[2];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t5 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1_0 + t5 - u_2_0; /* (1.15) */
-    const double t6 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1_1 + t6 - u_2_1; /* (1.15) */
+    const double t1 = v_1_0 * g->k[7];
+    const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7];
+    const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double t7 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t8 = theta_dot[1] * (g->k[7] * b_22);
-    const double t9 = v_1_0 * t7 - v_2_0 * t8;
-    const double t10 = 1.0 / (t5 * v_2_1 - v_2_0 * t6);
-    const double t11 = g->e_1[0] * t9 * t10;
-    const double t12 = v_2_1 * t8 - v_1_1 * t7;
-    const double t13 = t10 * (x_0 * t12);
-    const double s_dot_0 = t11 + t13 - theta_dot[0] * (e_2_0 * d_0);
-    const double t14 = t10 * (g->e_1[1] * t9);
-    const double t15 = t10 * (x_1 * t12);
-    const double s_dot_1 = t14 + t15 - theta_dot[0] * (e_2_1 * d_0);
-    const double t16 = t10 * (g->e_1[2] * t9);
-    const double t17 = t10 * (x_2 * t12);
-    const double s_dot_2 = t16 + t17 - theta_dot[0] * (e_2_2 * d_0);
-    const double t18 = theta_dot[0] * sin_1;
-    const double t19 = theta_dot[0] * cos_1;
-    const double t20 = g->e_x[0] * t18 + g->e_t[0] * t19;
-    const double t21 = g->e_x[1] * t18 + g->e_t[1] * t19;
-    const double t22 = g->e_x[2] * t18;
-    const double t23 = x_0 * s_dot_0 - arm_0 * t20 + (x_1 * s_dot_1 - arm_1 * t21) + (x_2 * s_dot_2 - arm_2 * t22);
-    const double t24 = g->l_4 * (theta_dot[1] * t1);
-    const double t25 = g->l_4 * (theta_dot[1] * t2);
-    const double t26 = g->l_2 * (theta_dot[2] * t3);
-    const double t27 = g->l_2 * (theta_dot[2] * t4);
-    const double t28 = t23 + t24;
-    const double t29 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - t25;
-    const double t30 = g->k[7] * t28;
-    const double t31 = t26 + (t30 - t24);
-    const double t32 = g->k[7] * t29;
-    const double t33 = t25 + t32 - t27;
-    const double t34 = theta_dot[1] * (g->k[13] * (v_2_0 * t25 + u_1_1 * t31 - (u_1_0 * t33 - v_2_1 * t24)));
-    const double t35 = t34 + theta_dot[2] * (u_2_0 * t33 - v_2_1 * t26 - (v_2_0 * t27 + u_2_1 * t31));
-    const double t36 = theta_dot[1] * (g->k[7] * (u_1_0 * t29 - v_1_1 * t24 - (v_1_0 * t25 + u_1_1 * t28)));
-    const double t37 = t7 * t28 + v_1_0 * t35 - (t8 * t31 + v_2_0 * t36);
-    const double t38 = v_2_1 * t30 + t5 * t33 - (t6 * t31 + v_2_0 * t32);
-    const double t39 = t8 * t33 + v_2_1 * t36 - (t7 * t29 + v_1_1 * t35);
-    const double t40 = t10 * (g->e_1[0] * t37 - t11 * t38) + t10 * (x_0 * t39 - t12 * t20 - t13 * t38);
-    const double t41 = t10 * (g->e_1[1] * t37 - t14 * t38) + t10 * (x_1 * t39 - t12 * t21 - t15 * t38);
-    const double t42 = t10 * (g->e_1[2] * t37 - t16 * t38) + t10 * (x_2 * t39 - t12 * t22 - t17 * t38);
+    const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
+    const double t4 = theta_dot[1] * (g->k[7] * b_22);
+    const double t5 = v_1_0 * t3 - v_2_0 * t4;
+    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const double t7 = g->e_1[0] * t5 * t6;
+    const double t8 = v_2_1 * t4 - v_1_1 * t3;
+    const double t9 = t6 * (x_0 * t8);
+    const double s_dot_0 = t7 + t9 - theta_dot[0] * (e_2_0 * d_0);
+    const double t10 = t6 * (g->e_1[1] * t5);
+    const double t11 = t6 * (x_1 * t8);
+    const double s_dot_1 = t10 + t11 - theta_dot[0] * (e_2_1 * d_0);
+    const double t12 = t6 * (g->e_1[2] * t5);
+    const double t13 = t6 * (x_2 * t8);
+    const double s_dot_2 = t12 + t13 - theta_dot[0] * (e_2_2 * d_0);
+    const double t14 = theta_dot[0] * sine[0];
+    const double t15 = theta_dot[0] * cosine[0];
+    const double t16 = g->e_x[0] * t14 + g->e_t[0] * t15;
+    const double t17 = g->e_x[1] * t14 + g->e_t[1] * t15;
+    const double t18 = g->e_x[2] * t14;
+    const double t19 = x_0 * s_dot_0 - arm_0 * t16 + (x_1 * s_dot_1 - arm_1 * t17) + (x_2 * s_dot_2 - arm_2 * t18);
+    const double t20 = g->l_4 * (theta_dot[1] * sine[1]);
+    const double t21 = g->l_4 * (theta_dot[1] * cosine[1]);
+    const double t22 = g->l_2 * (theta_dot[2] * sine[2]);
+    const double t23 = g->l_2 * (theta_dot[2] * cosine[2]);
+    const double t24 = t19 + t20;
+    const double t25 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - t21;
+    const double t26 = g->k[7] * t24;
+    const double t27 = t22 + (t26 - t20);
+    const double t28 = g->k[7] * t25;
+    const double t29 = t21 + t28 - t23;
+    const double t30 = theta_dot[1] * (g->k[13] * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
+    const double t31 = t30 + theta_dot[2] * (u_2_0 * t29 - v_2_1 * t22 - (v_2_0 * t23 + u_2_1 * t27));
+    const double t32 = theta_dot[1] * (g->k[7] * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
+    const double t33 = t3 * t24 + v_1_0 * t31 - (t4 * t27 + v_2_0 * t32);
+    const double t34 = v_2_1 * t26 + t1 * t29 - (t2 * t27 + v_2_0 * t28);
+    const double t35 = t4 * t29 + v_2_1 * t32 - (t3 * t25 + v_1_1 * t31);
+    const double bias_0 = t6 * (g->e_1[0] * t33 - t7 * t34) + t6 * (x_0 * t35 - t8 * t16 - t9 * t34) - theta_dot[0] * (d_0 * (g->e_x[0] * t15 - g->e_t[0] * t14) + e_2_0 * t19);
+    const double bias_1 = t6 * (g->e_1[1] * t33 - t10 * t34) + t6 * (x_1 * t35 - t8 * t17 - t11 * t34) - theta_dot[0] * (d_0 * (g->e_x[1] * t15 - g->e_t[1] * t14) + e_2_1 * t19);
+    const double bias_2 = t6 * (g->e_1[2] * t33 - t12 * t34) + t6 * (x_2 * t35 - t8 * t18 - t13 * t34) - theta_dot[0] * (d_0 * (g->e_x[2] * t15) + e_2_2 * t19);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = t40 - theta_dot[0] * (d_0 * (g->e_x[0] * t19 - g->e_t[0] * t18) + e_2_0 * t23);
-    bias[1] = t41 - theta_dot[0] * (d_0 * (g->e_x[1] * t19 - g->e_t[1] * t18) + e_2_1 * t23);
-    bias[2] = t42 - theta_dot[0] * (d_0 * (g->e_x[2] * t19) + e_2_2 * t23);
+    bias[0] = bias_0;
+    bias[1] = bias_1;
+    bias[2] = bias_2;
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -572,9 +608,8 @@ static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fiveb
     factors[3] = delta / g->k[14];
 }
 
-/* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply, 3
- * arctangent) */
-static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT link)
+/* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
+static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
@@ -588,9 +623,6 @@ static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_g
     const double across_0 = g->e_1[0] * dir_0 - x[0] * dir_1; /* e_2 x along */
     const double across_1 = g->e_1[1] * dir_0 - x[1] * dir_1;
     const double across_2 = g->e_1[2] * dir_0 - x[2] * dir_1;
-    passive[0] = krhpr_atan2(u_1[0] * v_1_1 - u_1[1] * v_1_0, u_1[0] * v_1_0 + u_1[1] * v_1_1);
-    passive[1] = krhpr_atan2(u_2[0] * v_2_1 - u_2[1] * v_2_0, u_2[0] * v_2_0 + u_2[1] * v_2_1);
-    passive[2] = krhpr_atan2(v_1_1 * v_2_0 - v_1_0 * v_2_1, v_1_0 * v_2_0 + v_1_1 * v_2_1);
     link[0] = along_0;
     link[1] = across_0;
     link[2] = e_2[0];
@@ -600,6 +632,12 @@ static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_g
     link[6] = along_2;
     link[7] = across_2;
     link[8] = e_2[2];
+    tail_y[0] = u_1[0] * v_1_1 - u_1[1] * v_1_0;
+    tail_y[1] = u_2[0] * v_2_1 - u_2[1] * v_2_0;
+    tail_y[2] = v_1_1 * v_2_0 - v_1_0 * v_2_1;
+    tail_x[0] = u_1[0] * v_1_0 + u_1[1] * v_1_1;
+    tail_x[1] = u_2[0] * v_2_0 + u_2[1] * v_2_1;
+    tail_x[2] = v_1_0 * v_2_0 + v_1_1 * v_2_1;
 }
 
 #endif

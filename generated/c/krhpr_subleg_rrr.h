@@ -60,50 +60,56 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     g->k[7] = 1.0 / g->l_3;
 }
 
-/* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 15 multiply, 3 sine
- * cosine) */
-static inline void krhpr_subleg_rrr_forward(const krhpr_subleg_rrr_geometry *g, const double theta[3], double *KRHPR_RESTRICT s)
+/* Angles whose sines and cosines `forward` reads.  (1 add) */
+static inline void krhpr_subleg_rrr_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double t1 = theta[1] + theta[2];
-    double t2, t3; krhpr_sincos(t1, &t2, &t3);
-    const double v_1_0 = g->l_3 * t3; /* link i3 in (x, e_1) */
-    const double v_1_1 = g->l_3 * t2;
-    double t4, t5; krhpr_sincos(theta[1], &t4, &t5);
-    const double d_0 = v_1_0 + g->l_2 * t5; /* s - c in (x, e_1) */
-    const double d_1 = v_1_1 + g->l_2 * t4;
+    angle[0] = theta[0];
+    angle[1] = theta[1] + theta[2];
+    angle[2] = theta[1];
+}
+
+/* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 15 multiply) */
+static inline void krhpr_subleg_rrr_forward(const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
+    const double v_1_0 = g->l_3 * cosine[1]; /* link i3 in (x, e_1) */
+    const double v_1_1 = g->l_3 * sine[1];
+    const double d_0 = v_1_0 + g->l_2 * cosine[2]; /* s - c in (x, e_1) */
+    const double d_1 = v_1_1 + g->l_2 * sine[2];
     s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
     s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
     s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
 }
 
-/* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (13 add, 20 multiply, 3
- * sine cosine) */
-static inline void krhpr_subleg_rrr_forward_posture(const krhpr_subleg_rrr_geometry *g, const double theta[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+/* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
+static inline void krhpr_subleg_rrr_forward_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double t1 = theta[1] + theta[2];
-    double t2, t3; krhpr_sincos(t1, &t2, &t3);
-    const double v_1_0 = g->l_3 * t3; /* link i3 in (x, e_1) */
-    const double v_1_1 = g->l_3 * t2;
-    double t4, t5; krhpr_sincos(theta[1], &t4, &t5);
-    const double d_0 = v_1_0 + g->l_2 * t5; /* s - c in (x, e_1) */
-    const double d_1 = v_1_1 + g->l_2 * t4;
+    angle[0] = theta[0];
+    angle[1] = theta[1] + theta[2];
+    angle[2] = theta[1];
+}
+
+/* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (12 add, 20 multiply) */
+static inline void krhpr_subleg_rrr_forward_posture(const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
+    const double v_1_0 = g->l_3 * cosine[1]; /* link i3 in (x, e_1) */
+    const double v_1_1 = g->l_3 * sine[1];
+    const double d_0 = v_1_0 + g->l_2 * cosine[2]; /* s - c in (x, e_1) */
+    const double d_1 = v_1_1 + g->l_2 * sine[2];
     s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
     s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
     s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2] = g->e_x[2] * sin_1;
+    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
+    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
+    e_2[2] = g->e_x[2] * sine[0];
     d[0] = d_0;
     d[1] = d_1;
     v_1[0] = v_1_0;
@@ -111,8 +117,8 @@ static inline void krhpr_subleg_rrr_forward_posture(const krhpr_subleg_rrr_geome
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root, 3 arctangent) */
-static inline void krhpr_subleg_rrr_inverse(const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2], double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
+ * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root) */
+static inline void krhpr_subleg_rrr_inverse(const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -126,15 +132,20 @@ static inline void krhpr_subleg_rrr_inverse(const krhpr_subleg_rrr_geometry *g, 
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
     const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
     const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
-    theta[0] = krhpr_atan2(-mode[0] * d_t, mode[0] * d_x);
-    theta[1] = krhpr_atan2(y * A - r * S, r * A + y * S);
-    theta[2] = krhpr_atan2(S, C);
+    const double n = r * A + y * S;
+    const double m = y * A - r * S;
     *radicand = h2;
+    tail_y[0] = -mode[0] * d_t;
+    tail_y[1] = m;
+    tail_y[2] = S;
+    tail_x[0] = mode[0] * d_x;
+    tail_x[1] = n;
+    tail_x[2] = C;
 }
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root, 8 arctangent) */
-static inline void krhpr_subleg_rrr_inverse_all(const krhpr_subleg_rrr_geometry *g, const double s[3], double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
+ * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root) */
+static inline void krhpr_subleg_rrr_inverse_all(const krhpr_subleg_rrr_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -143,36 +154,39 @@ static inline void krhpr_subleg_rrr_inverse_all(const krhpr_subleg_rrr_geometry 
     const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
     const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
     const double r = sqrt(d_t * d_t + d_x * d_x);
-    const double theta_0 = krhpr_atan2(-d_t, d_x);
     const double d2 = r * r + y * y;
     const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
     const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
     const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
-    const double t1 = y * A;
-    const double t2 = r * S;
-    const double t3 = t1 - t2;
-    const double t4 = r * A;
-    const double t5 = y * S;
-    const double t6 = t4 + t5;
-    const double theta_2 = krhpr_atan2(S, C);
+    const double t1 = r * A;
+    const double t2 = y * S;
+    const double n = t1 + t2;
+    const double t3 = y * A;
+    const double t4 = r * S;
+    const double m = t3 - t4;
     const double S_a = -S; /* 2 a b sin */
-    const double t7 = t1 + t2;
-    const double theta_2_a = krhpr_atan2(S_a, C);
-    const double theta_0_a = krhpr_atan2(d_t, -d_x);
-    theta[0] = theta_0;
-    theta[1] = krhpr_atan2(t3, t6);
-    theta[2] = theta_2;
-    theta[3] = theta_0;
-    theta[4] = krhpr_atan2(t7, t4 - t5);
-    theta[5] = theta_2_a;
-    theta[6] = theta_0_a;
-    theta[7] = krhpr_atan2(t7, t5 - t4);
-    theta[8] = theta_2;
-    theta[9] = theta_0_a;
-    theta[10] = krhpr_atan2(t3, -t6);
-    theta[11] = theta_2_a;
+    const double n_a = t1 - t2;
+    const double m_a = t3 + t4;
+    const double n_b = t2 - t1;
+    const double n_c = -n;
     *radicand = h2;
+    tail_y[0] = -d_t;
+    tail_y[1] = m;
+    tail_y[2] = S;
+    tail_y[3] = m_a;
+    tail_y[4] = S_a;
+    tail_y[5] = d_t;
+    tail_y[6] = m_a;
+    tail_y[7] = m;
+    tail_x[0] = d_x;
+    tail_x[1] = n;
+    tail_x[2] = C;
+    tail_x[3] = n_a;
+    tail_x[4] = C;
+    tail_x[5] = -d_x;
+    tail_x[6] = n_b;
+    tail_x[7] = n_c;
 }
 
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 3 multiply, 1 square
@@ -187,30 +201,35 @@ static inline void krhpr_subleg_rrr_reach(const krhpr_subleg_rrr_geometry *g, co
     *excess = krhpr_max(distance - g->l_2 - g->l_3, g->k[4] - distance);
 }
 
-/* Posture of the RRR sub-leg: the vectors that its velocity equations are made of.  Thesis: 1.5, 2.5.  (13
- * add, 18 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_rrr_posture(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+/* Angles whose sines and cosines `posture` reads.  (no operations) */
+static inline void krhpr_subleg_rrr_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+}
+
+/* Posture of the RRR sub-leg: the vectors that its velocity equations are made of.  Thesis: 1.5, 2.5.  (13
+ * add, 18 multiply) */
+static inline void krhpr_subleg_rrr_posture(const krhpr_subleg_rrr_geometry *g, const double s[3], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
     const double arm_0 = s[0] - g->c[0]; /* s - c */
     const double arm_1 = s[1] - g->c[1];
     const double arm_2 = s[2] - g->c[2];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
     const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1] = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2] = g->e_x[2] * sin_1;
+    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
+    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
+    e_2[2] = g->e_x[2] * sine[0];
     d[0] = d_0;
     d[1] = d_1;
-    v_1[0] = d_0 - g->l_2 * t2;
-    v_1[1] = d_1 - g->l_2 * t1;
+    v_1[0] = d_0 - g->l_2 * cosine[1];
+    v_1[1] = d_1 - g->l_2 * sine[1];
 }
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 15 multiply) */
@@ -256,42 +275,47 @@ static inline void krhpr_subleg_rrr_velocity(const krhpr_subleg_rrr_geometry *g,
     s_dot[2] = g->e_1[2] * w_1 - e_2[2] * t2 - x[2] * t1;
 }
 
-/* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
- * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta[3], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+/* Angles whose sines and cosines `bias` reads.  (no operations) */
+static inline void krhpr_subleg_rrr_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0], &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+}
+
+/* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
+ * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81 multiply) */
+static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta_dot[3], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+{
+    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
+    const double x_2 = g->e_x[2] * cosine[0];
+    const double e_2_0 = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
+    const double e_2_2 = g->e_x[2] * sine[0];
     const double arm_0 = s[0] - g->c[0]; /* s - c */
     const double arm_1 = s[1] - g->c[1];
     const double arm_2 = s[2] - g->c[2];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
     const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    double t1, t2; krhpr_sincos(theta[1], &t1, &t2);
-    const double v_1_0 = d_0 - g->l_2 * t2; /* s - c - u_1 */
-    const double v_1_1 = d_1 - g->l_2 * t1;
-    const double t3 = theta_dot[1] * d_0 + theta_dot[2] * v_1_0;
-    const double t4 = theta_dot[1] * d_1 + theta_dot[2] * v_1_1;
-    const double s_dot_0 = g->e_1[0] * t3 - x_0 * t4 - theta_dot[0] * (e_2_0 * d_0);
-    const double s_dot_1 = g->e_1[1] * t3 - x_1 * t4 - theta_dot[0] * (e_2_1 * d_0);
-    const double s_dot_2 = g->e_1[2] * t3 - x_2 * t4 - theta_dot[0] * (e_2_2 * d_0);
-    const double t5 = theta_dot[0] * sin_1;
-    const double t6 = theta_dot[0] * cos_1;
-    const double t7 = g->e_x[0] * t5 + g->e_t[0] * t6;
-    const double t8 = g->e_x[1] * t5 + g->e_t[1] * t6;
-    const double t9 = g->e_x[2] * t5;
-    const double t10 = x_0 * s_dot_0 - arm_0 * t7 + (x_1 * s_dot_1 - arm_1 * t8) + (x_2 * s_dot_2 - arm_2 * t9);
-    const double t11 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
-    const double t12 = theta_dot[1] * t10 + theta_dot[2] * (t10 + g->l_2 * (theta_dot[1] * t1));
-    const double t13 = theta_dot[1] * t11 + theta_dot[2] * (t11 - g->l_2 * (theta_dot[1] * t2));
-    const double bias_0 = g->e_1[0] * t12 - (x_0 * t13 - t4 * t7) - theta_dot[0] * (d_0 * (g->e_x[0] * t6 - g->e_t[0] * t5) + e_2_0 * t10);
-    const double bias_1 = g->e_1[1] * t12 - (x_1 * t13 - t4 * t8) - theta_dot[0] * (d_0 * (g->e_x[1] * t6 - g->e_t[1] * t5) + e_2_1 * t10);
-    const double bias_2 = g->e_1[2] * t12 - (x_2 * t13 - t4 * t9) - theta_dot[0] * (d_0 * (g->e_x[2] * t6) + e_2_2 * t10);
+    const double v_1_0 = d_0 - g->l_2 * cosine[1]; /* s - c - u_1 */
+    const double v_1_1 = d_1 - g->l_2 * sine[1];
+    const double t1 = theta_dot[1] * d_0 + theta_dot[2] * v_1_0;
+    const double t2 = theta_dot[1] * d_1 + theta_dot[2] * v_1_1;
+    const double s_dot_0 = g->e_1[0] * t1 - x_0 * t2 - theta_dot[0] * (e_2_0 * d_0);
+    const double s_dot_1 = g->e_1[1] * t1 - x_1 * t2 - theta_dot[0] * (e_2_1 * d_0);
+    const double s_dot_2 = g->e_1[2] * t1 - x_2 * t2 - theta_dot[0] * (e_2_2 * d_0);
+    const double t3 = theta_dot[0] * sine[0];
+    const double t4 = theta_dot[0] * cosine[0];
+    const double t5 = g->e_x[0] * t3 + g->e_t[0] * t4;
+    const double t6 = g->e_x[1] * t3 + g->e_t[1] * t4;
+    const double t7 = g->e_x[2] * t3;
+    const double t8 = x_0 * s_dot_0 - arm_0 * t5 + (x_1 * s_dot_1 - arm_1 * t6) + (x_2 * s_dot_2 - arm_2 * t7);
+    const double t9 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
+    const double t10 = theta_dot[1] * t8 + theta_dot[2] * (t8 + g->l_2 * (theta_dot[1] * sine[1]));
+    const double t11 = theta_dot[1] * t9 + theta_dot[2] * (t9 - g->l_2 * (theta_dot[1] * cosine[1]));
+    const double bias_0 = g->e_1[0] * t10 - (x_0 * t11 - t2 * t5) - theta_dot[0] * (d_0 * (g->e_x[0] * t4 - g->e_t[0] * t3) + e_2_0 * t8);
+    const double bias_1 = g->e_1[1] * t10 - (x_1 * t11 - t2 * t6) - theta_dot[0] * (d_0 * (g->e_x[1] * t4 - g->e_t[1] * t3) + e_2_1 * t8);
+    const double bias_2 = g->e_1[2] * t10 - (x_2 * t11 - t2 * t7) - theta_dot[0] * (d_0 * (g->e_x[2] * t4) + e_2_2 * t8);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;

@@ -160,8 +160,8 @@ def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
-    where the end point is out of reach.  Thesis: App. B.  (27 add, 33 multiply, 3 square root, 1
-    sine cosine, 3 arctangent, 1 select)"""
+    where the end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square
+    root, 3 arctangent, 1 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, mode_2 = mode
     d_0 = s_0 - g.c[0]  # s - c
@@ -175,20 +175,24 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * ca.sqrt(h2)  # 2 a b sin
     A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
-    theta_1 = ca.atan2(y * A - r * S, r * A + y * S)
-    u_1_0 = g.l_4 * ca.cos(theta_1)
-    u_1_1 = g.l_4 * ca.sin(theta_1)
+    n = r * A + y * S
+    m = y * A - r * S
+    t1 = 1 / d2
+    u_1_0 = n * 0.5 * t1
+    u_1_1 = t1 * (m * 0.5)
     p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # r_i = u_1 + w
     p_1 = u_1_1 + g.k[7] * (y - u_1_1)
     d2_2 = p_0 * p_0 + p_1 * p_1
     h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = mode_2 * ca.sqrt(h2_2)  # 2 a b sin
     A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    n_2 = p_0 * A_2 + p_1 * S_2
+    m_2 = p_1 * A_2 - p_0 * S_2
     return (
         (  # theta
             ca.atan2(-mode_0 * d_t, mode_0 * d_x),
-            theta_1,
-            ca.atan2(p_1 * A_2 - p_0 * S_2, p_0 * A_2 + p_1 * S_2),
+            ca.atan2(m, n),
+            ca.atan2(m_2, n_2),
         ),
         (  # radicand
             ca.fmin(h2, h2_2),
@@ -199,8 +203,8 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
     front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
-    back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (71 add, 61 multiply, 6
-    square root, 4 sine cosine, 14 arctangent, 7 select)"""
+    back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1
+    divide, 6 square root, 14 arctangent, 7 select)"""
     s_0, s_1, s_2 = s
     d_0 = s_0 - g.c[0]  # s - c
     d_1 = s_1 - g.c[1]
@@ -214,93 +218,110 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = ca.sqrt(h2)  # 2 a b sin
     A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
-    t1 = y * A
-    t2 = r * S
-    t3 = t1 - t2
-    t4 = r * A
-    t5 = y * S
-    t6 = t4 + t5
-    theta_1 = ca.atan2(t3, t6)
-    u_1_0 = g.l_4 * ca.cos(theta_1)
-    u_1_1 = g.l_4 * ca.sin(theta_1)
+    t1 = r * A
+    t2 = y * S
+    n = t1 + t2
+    t3 = y * A
+    t4 = r * S
+    m = t3 - t4
+    theta_1 = ca.atan2(m, n)
+    t5 = 1 / d2
+    u_1_0 = n * 0.5 * t5
+    u_1_1 = t5 * (m * 0.5)
     p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # r_i = u_1 + w
     p_1 = u_1_1 + g.k[7] * (y - u_1_1)
-    d2_2 = p_0 * p_0 + p_1 * p_1
+    t6 = p_1 * p_1
+    d2_2 = p_0 * p_0 + t6
     h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
     A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
-    t7 = p_1 * A_2
-    t8 = p_0 * S_2
-    t9 = p_0 * A_2
-    t10 = p_1 * S_2
-    t11 = t1 + t2
-    theta_1_a = ca.atan2(t11, t4 - t5)
-    u_1_0_a = g.l_4 * ca.cos(theta_1_a)
-    u_1_1_a = g.l_4 * ca.sin(theta_1_a)
+    t7 = p_0 * A_2
+    t8 = p_1 * S_2
+    n_2 = t7 + t8
+    t9 = p_1 * A_2
+    t10 = p_0 * S_2
+    m_2 = t9 - t10
+    n_2_a = t7 - t8
+    m_2_a = t9 + t10
+    n_a = t1 - t2
+    m_a = t3 + t4
+    theta_1_a = ca.atan2(m_a, n_a)
+    u_1_0_a = t5 * (0.5 * n_a)
+    u_1_1_a = t5 * (0.5 * m_a)
     p_0_a = u_1_0_a + g.k[7] * (r - u_1_0_a)  # r_i = u_1 + w
     p_1_a = u_1_1_a + g.k[7] * (y - u_1_1_a)
-    d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a
+    t11 = p_1_a * p_1_a
+    d2_2_a = p_0_a * p_0_a + t11
     h2_2_a = (d2_2_a - g.k[8]) * (g.k[9] - d2_2_a)  # 4 a^2 b^2 sin^2
     S_2_a = ca.sqrt(h2_2_a)  # 2 a b sin
     A_2_a = g.k[10] + d2_2_a - g.k[0]  # 2 a (a + b cos)
-    t12 = p_1_a * A_2_a
-    t13 = p_0_a * S_2_a
-    t14 = p_0_a * A_2_a
-    t15 = p_1_a * S_2_a
+    t12 = p_0_a * A_2_a
+    t13 = p_1_a * S_2_a
+    n_2_b = t12 + t13
+    t14 = p_1_a * A_2_a
+    t15 = p_0_a * S_2_a
+    m_2_b = t14 - t15
+    n_2_c = t12 - t13
+    m_2_c = t14 + t15
     theta_0_a = ca.atan2(d_t, -d_x)
-    theta_1_b = ca.atan2(t11, t5 - t4)
-    u_1_0_b = g.l_4 * ca.cos(theta_1_b)
-    u_1_1_b = g.l_4 * ca.sin(theta_1_b)
+    n_b = t2 - t1
+    theta_1_b = ca.atan2(m_a, n_b)
+    u_1_0_b = t5 * (0.5 * n_b)
     p_0_b = u_1_0_b - g.k[7] * (r + u_1_0_b)  # r_i = u_1 + w
-    p_1_b = u_1_1_b + g.k[7] * (y - u_1_1_b)
-    d2_2_b = p_0_b * p_0_b + p_1_b * p_1_b
+    d2_2_b = t11 + p_0_b * p_0_b
     h2_2_b = (d2_2_b - g.k[8]) * (g.k[9] - d2_2_b)  # 4 a^2 b^2 sin^2
     S_2_b = ca.sqrt(h2_2_b)  # 2 a b sin
     A_2_b = g.k[10] + d2_2_b - g.k[0]  # 2 a (a + b cos)
-    t16 = p_1_b * A_2_b
-    t17 = p_0_b * S_2_b
-    t18 = p_0_b * A_2_b
-    t19 = p_1_b * S_2_b
-    theta_1_c = ca.atan2(t3, -t6)
-    u_1_0_c = g.l_4 * ca.cos(theta_1_c)
-    u_1_1_c = g.l_4 * ca.sin(theta_1_c)
-    p_0_c = u_1_0_c - g.k[7] * (r + u_1_0_c)  # r_i = u_1 + w
-    p_1_c = u_1_1_c + g.k[7] * (y - u_1_1_c)
-    d2_2_c = p_0_c * p_0_c + p_1_c * p_1_c
+    t16 = p_0_b * A_2_b
+    t17 = p_1_a * S_2_b
+    n_2_d = t16 + t17
+    t18 = p_1_a * A_2_b
+    t19 = p_0_b * S_2_b
+    m_2_d = t18 - t19
+    n_2_e = t16 - t17
+    m_2_e = t18 + t19
+    n_c = -n
+    theta_1_c = ca.atan2(m, n_c)
+    p_0_c = g.k[7] * (u_1_0 - r) - u_1_0  # r_i = u_1 + w
+    d2_2_c = t6 + p_0_c * p_0_c
     h2_2_c = (d2_2_c - g.k[8]) * (g.k[9] - d2_2_c)  # 4 a^2 b^2 sin^2
     S_2_c = ca.sqrt(h2_2_c)  # 2 a b sin
     A_2_c = g.k[10] + d2_2_c - g.k[0]  # 2 a (a + b cos)
-    t20 = p_1_c * A_2_c
-    t21 = p_0_c * S_2_c
-    t22 = p_0_c * A_2_c
-    t23 = p_1_c * S_2_c
+    t20 = p_0_c * A_2_c
+    t21 = p_1 * S_2_c
+    n_2_f = t20 + t21
+    t22 = p_1 * A_2_c
+    t23 = p_0_c * S_2_c
+    m_2_f = t22 - t23
+    n_2_g = t20 - t21
+    m_2_g = t22 + t23
     radicand_a = ca.fmax(ca.fmax(ca.fmax(ca.fmin(h2, h2_2), ca.fmin(h2, h2_2_a)), ca.fmin(h2, h2_2_b)), ca.fmin(h2, h2_2_c))
     return (
         (  # theta
             theta_0,
             theta_1,
-            ca.atan2(t7 - t8, t9 + t10),
+            ca.atan2(m_2, n_2),
             theta_0,
             theta_1,
-            ca.atan2(t7 + t8, t9 - t10),
+            ca.atan2(m_2_a, n_2_a),
             theta_0,
             theta_1_a,
-            ca.atan2(t12 - t13, t14 + t15),
+            ca.atan2(m_2_b, n_2_b),
             theta_0,
             theta_1_a,
-            ca.atan2(t12 + t13, t14 - t15),
+            ca.atan2(m_2_c, n_2_c),
             theta_0_a,
             theta_1_b,
-            ca.atan2(t16 - t17, t18 + t19),
+            ca.atan2(m_2_d, n_2_d),
             theta_0_a,
             theta_1_b,
-            ca.atan2(t16 + t17, t18 - t19),
+            ca.atan2(m_2_e, n_2_e),
             theta_0_a,
             theta_1_c,
-            ca.atan2(t20 - t21, t22 + t23),
+            ca.atan2(m_2_f, n_2_f),
             theta_0_a,
             theta_1_c,
-            ca.atan2(t20 + t21, t22 - t23),
+            ca.atan2(m_2_g, n_2_g),
         ),
         (  # radicand
             radicand_a,
@@ -309,8 +330,8 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 25
-    multiply, 4 square root, 1 sine cosine, 1 arctangent, 3 select)"""
+    """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27
+    multiply, 1 divide, 4 square root, 3 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, mode_2 = mode
     d_0 = s_0 - g.c[0]  # s - c
@@ -324,9 +345,11 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * ca.sqrt(h2)  # 2 a b sin
     A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
-    t1 = ca.atan2(y * A - r * S, r * A + y * S)
-    u_1_0 = g.l_4 * ca.cos(t1)
-    u_1_1 = g.l_4 * ca.sin(t1)
+    n = r * A + y * S
+    m = y * A - r * S
+    t1 = 1 / d2
+    u_1_0 = n * 0.5 * t1
+    u_1_1 = t1 * (m * 0.5)
     p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # r_i = u_1 + w
     p_1 = u_1_1 + g.k[7] * (y - u_1_1)
     reach_2 = ca.sqrt(p_0 * p_0 + p_1 * p_1)

@@ -129,10 +129,12 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     S = mode_1 * ca.sqrt(h2)  # 2 a b sin
     C = d2 - g.k[2] - g.k[3]  # 2 a b cos
     A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    n = r * A + y * S
+    m = y * A - r * S
     return (
         (  # theta
             ca.atan2(-mode_0 * d_t, mode_0 * d_x),
-            ca.atan2(y * A - r * S, r * A + y * S),
+            ca.atan2(m, n),
             ca.atan2(S, C),
         ),
         (  # radicand
@@ -159,30 +161,33 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     S = ca.sqrt(h2)  # 2 a b sin
     C = d2 - g.k[2] - g.k[3]  # 2 a b cos
     A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
-    t1 = y * A
-    t2 = r * S
-    t3 = t1 - t2
-    t4 = r * A
-    t5 = y * S
-    t6 = t4 + t5
+    t1 = r * A
+    t2 = y * S
+    n = t1 + t2
+    t3 = y * A
+    t4 = r * S
+    m = t3 - t4
     theta_2 = ca.atan2(S, C)
     S_a = -S  # 2 a b sin
-    t7 = t1 + t2
+    n_a = t1 - t2
+    m_a = t3 + t4
     theta_2_a = ca.atan2(S_a, C)
     theta_0_a = ca.atan2(d_t, -d_x)
+    n_b = t2 - t1
+    n_c = -n
     return (
         (  # theta
             theta_0,
-            ca.atan2(t3, t6),
+            ca.atan2(m, n),
             theta_2,
             theta_0,
-            ca.atan2(t7, t4 - t5),
+            ca.atan2(m_a, n_a),
             theta_2_a,
             theta_0_a,
-            ca.atan2(t7, t5 - t4),
+            ca.atan2(m_a, n_b),
             theta_2,
             theta_0_a,
-            ca.atan2(t3, -t6),
+            ca.atan2(m, n_c),
             theta_2_a,
         ),
         (  # radicand

@@ -88,9 +88,11 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     S = mode_0 * np.sqrt(h2)  # 2 a b sin
     C = d2 - g.k[2] - g.k[3]  # 2 a b cos
     A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    n = d_0 * A + d_1 * S
+    m = d_1 * A - d_0 * S
     return (
         (  # theta
-            np.arctan2(d_1 * A - d_0 * S, d_0 * A + d_1 * S),
+            np.arctan2(m, n),
             np.arctan2(S, C),
         ),
         (  # radicand
@@ -110,16 +112,20 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     S = np.sqrt(h2)  # 2 a b sin
     C = d2 - g.k[2] - g.k[3]  # 2 a b cos
     A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
-    t1 = d_1 * A
-    t2 = d_0 * S
-    t3 = d_0 * A
-    t4 = d_1 * S
+    t1 = d_0 * A
+    t2 = d_1 * S
+    n = t1 + t2
+    t3 = d_1 * A
+    t4 = d_0 * S
+    m = t3 - t4
     S_a = -S  # 2 a b sin
+    n_a = t1 - t2
+    m_a = t3 + t4
     return (
         (  # theta
-            np.arctan2(t1 - t2, t3 + t4),
+            np.arctan2(m, n),
             np.arctan2(S, C),
-            np.arctan2(t1 + t2, t3 - t4),
+            np.arctan2(m_a, n_a),
             np.arctan2(S_a, C),
         ),
         (  # radicand

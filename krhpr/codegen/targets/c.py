@@ -21,6 +21,7 @@ from krhpr.codegen.composition import (
 )
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel, Layout, Port
 from krhpr.codegen.passes import Part
+from krhpr.codegen.phases import Phases, split
 from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.printers.infix import Line, Pair
 from krhpr.codegen.targets.base import File, kernel_comment, port_text, render
@@ -55,9 +56,14 @@ class _FunctionView:
     zeros: tuple[tuple[str, int], ...]
     shared_locals: tuple[str, ...]
     leg_locals: tuple[str, ...]
+    angle_count: int
+    shared_angle_calls: tuple[str, ...]
+    leg_angle_calls: tuple[str, ...]
     shared_calls: tuple[str, ...]
     leg_calls: tuple[str, ...]
     scatters: tuple[_Scatter, ...]
+    tail_count: int
+    tail_stores: tuple[tuple[str, str], ...]
     platform_calls: tuple[str, ...]
     leg_guards: tuple[_GuardView, ...]
     platform_guards: tuple[_GuardView, ...]
@@ -95,7 +101,12 @@ class CTarget:
         yield File("c/krhpr.h", render("c/krhpr.h.j2", statuses=statuses))
 
     def part(self, part: Part) -> Iterable[File]:
-        kernels = [_kernel_view(part.name, kernel) for kernel in part.kernels]
+        kernels = []
+        for kernel in part.kernels:
+            phases = split(kernel)
+            if phases.angles is not None:
+                kernels.append(_kernel_view(part.name, phases.angles))
+            kernels.append(_kernel_view(part.name, phases.body))
         prepare = None
         if part.geometry is not None:
             prepare = _kernel_view(part.name, part.geometry.prepare)
@@ -239,12 +250,10 @@ def _optional_remark(port: Port) -> str:
 
 def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
     known = variables(function, robot.parts)
-    in_platform = {
-        call.variable_in(port.name)
-        for call in function.stage(Stage.PLATFORM)
-        for port in robot.parts[call.part].kernel(call.kernel).inputs
-    }
-    diagonal = {port.name: port for port in function.outputs if port.layout is Layout.DIAGONAL}
+    outside = _read_outside_the_loop(robot, function)
+    plan = _Plan(robot, function, known, outside)
+    diagonal = [port for port in function.outputs if port.layout is Layout.DIAGONAL]
+    made = {variable.name: variable for variable in known.values() if variable.kind == "local"}
     leg_guards = [guard for guard in function.guards if known[guard.variable].per_leg]
     return _FunctionView(
         name=function.name,
@@ -258,33 +267,132 @@ def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
         optional=tuple((port.name, f"{port.name}_default") for port in function.inputs if port.name in ("mode", "assembly")),
         finite=tuple((_address(port), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
-        zeros=tuple((port.name, port.full_size) for port in diagonal.values()),
+        zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
             _local(variable, legs=variable.per_leg)
-            for variable in known.values()
-            if variable.kind == "local" and (not variable.per_leg or variable.name in in_platform)
+            for variable in made.values()
+            if not variable.per_leg or variable.name in outside
         ),
         leg_locals=tuple(
-            _local(variable, legs=False)
-            for variable in known.values()
-            if variable.per_leg and (variable.kind == "local" or variable.name in diagonal) and variable.name not in in_platform
+            [_local(variable, legs=False) for variable in made.values() if variable.per_leg and variable.name not in outside]
+            + [f"double {port.name}_block[{port.size}];" for port in diagonal]
         ),
-        shared_calls=tuple(_call(robot, call, known, in_platform) for call in function.stage(Stage.SHARED)),
-        leg_calls=tuple(_call(robot, call, known, in_platform) for call in function.stage(Stage.LEG)),
+        angle_count=plan.angle_count,
+        shared_angle_calls=tuple(plan.shared_angle_calls),
+        leg_angle_calls=tuple(plan.leg_angle_calls),
+        shared_calls=tuple(plan.calls[Stage.SHARED]),
+        leg_calls=tuple(plan.calls[Stage.LEG]),
         scatters=tuple(
             _Scatter(f"{port.name}_block", port.name, port.shape[0], port.shape[1], port.full_shape[1])
-            for port in diagonal.values()
+            for port in diagonal
         ),
-        platform_calls=tuple(_call(robot, call, known, in_platform) for call in function.stage(Stage.PLATFORM)),
-        leg_guards=tuple(_guard(guard, known, function, in_platform) for guard in leg_guards),
-        platform_guards=tuple(
-            _guard(guard, known, function, in_platform) for guard in function.guards if guard not in leg_guards
-        ),
+        tail_count=plan.tail_count,
+        tail_stores=tuple(plan.tail_stores),
+        platform_calls=tuple(plan.calls[Stage.PLATFORM]),
+        leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
+        platform_guards=tuple(_platform_guard(guard, function) for guard in function.guards if guard not in leg_guards),
         batch_arguments=tuple(_batch_input(port, index) for index, port in enumerate(function.inputs))
         + tuple(f"out[{index}] + k * out_step[{index}]" for index in range(len(function.outputs))),
         in_sizes=tuple(port.full_size for port in function.inputs),
         out_sizes=tuple(port.full_size for port in function.outputs),
     )
+
+
+def _read_outside_the_loop(robot: RobotCode, function: RobotFunction) -> set[str]:
+    """Variables that the loop over the legs makes and that something after it reads: each leg needs its own."""
+    read = {guard.variable for guard in function.guards}
+    for call in function.stage(Stage.PLATFORM):
+        read |= {call.variable_in(port.name) for port in robot.parts[call.part].kernel(call.kernel).inputs}
+    return read
+
+
+class _Plan:
+    """The statements of a function: calls of kernels, with all legs' sines, cosines and arctangents put together."""
+
+    def __init__(
+        self, robot: RobotCode, function: RobotFunction, known: dict[str, Variable], outside: set[str]
+    ) -> None:
+        self.robot, self.known, self.outside = robot, known, outside
+        self.angle_count = self.tail_count = 0
+        self.shared_angle_calls: list[str] = []
+        self.leg_angle_calls: list[str] = []
+        self.tail_stores: list[tuple[str, str]] = []
+        self.calls: dict[Stage, list[str]] = {stage: [] for stage in Stage}
+        self._offsets: dict[str, str] = {}
+        for call in function.calls:
+            self._add(call)
+
+    def _add(self, call: Call) -> None:
+        part = self.robot.parts[call.part]
+        phases = split(part.kernel(call.kernel))
+        special = self._angles(call, part, phases)
+        special |= self._tails(call, phases)
+        self.calls[call.stage].append(self._text(call, part, phases.body, special))
+
+    def _angles(self, call: Call, part: Part, phases: Phases) -> dict[str, str]:
+        """Where the body finds its sines and cosines; the angles are computed before."""
+        if phases.angles is None:
+            return {}
+        kernel = phases.angles
+        late = [port.name for port in kernel.inputs if self.known[call.variable_in(port.name)].kind != "input"]
+        if late or call.stage is Stage.PLATFORM:
+            raise ValueError(f"{part.name}.{call.kernel}: sines of {late or 'the platform stage'} come too late")
+        count = kernel.output_port("angle").size
+        per_leg = call.stage is Stage.LEG
+        # two kernels that read the same angles share them
+        key = f"{[call.variable_in(port.name) for port in kernel.inputs]} {print_kernel(kernel).results} {per_leg}"
+        if key not in self._offsets:
+            first = str(self.angle_count) if self.angle_count else ""
+            self._offsets[key] = " + ".join(term for term in (first, f"{count} * i" if per_leg else "") if term)
+            self.angle_count += count * (LEGS if per_leg else 1)
+            target = self.leg_angle_calls if per_leg else self.shared_angle_calls
+            target.append(self._text(call, part, kernel, {"angle": self._offset("angle", key)}))
+        return {name: self._offset(name, key) for name in ("sine", "cosine")}
+
+    def _offset(self, name: str, key: str) -> str:
+        return f"{name} + {self._offsets[key]}" if self._offsets[key] else name
+
+    def _tails(self, call: Call, phases: Phases) -> dict[str, str]:
+        """Where the body leaves the operands of its arctangents; they are computed after the loop."""
+        if not phases.tails:
+            return {}
+        if call.stage is not Stage.LEG:
+            raise ValueError(f"{call.part}.{call.kernel}: arctangents are expected in leg kernels only")
+        first = f"{self.tail_count} + " if self.tail_count else ""
+        where = f"{first}{phases.tail_size} * i"
+        for tail in phases.tails:
+            variable = self.known[call.variable_out(tail.port.name)]
+            if variable.kind != "output":
+                raise ValueError(f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output")
+            for index, slot in enumerate(tail.slots):
+                size = len(tail.slots)
+                target = f"{variable.name}[{f'{size} * i + {index}' if size > 1 else 'i'}]"
+                self.tail_stores.append((target, f"tail[{where} + {slot}]"))
+        self.tail_count += phases.tail_size * LEGS
+        return {"tail_y": f"tail_y + {where}", "tail_x": f"tail_x + {where}"}
+
+    def _text(self, call: Call, part: Part, kernel: Kernel, special: dict[str, str]) -> str:
+        arguments = [f"&g->{call.part}[i]"] if kernel.geometry is not None else []
+        for port in kernel.inputs:
+            arguments.append(special.get(port.name) or self._reference(call.variable_in(port.name), call.stage))
+        for port in kernel.outputs:
+            text = special.get(port.name)
+            arguments.append(text or self._reference(call.variable_out(port.name), call.stage, output=True))
+        return f"krhpr_{part.name}_{kernel.name}({', '.join(arguments)});"
+
+    def _reference(self, name: str, stage: Stage, *, output: bool = False) -> str:
+        """How a kernel's argument is written: a value, an array, or a pointer to a leg's part of an array."""
+        variable = self.known[name]
+        size, scalar = prod(variable.port.shape), not variable.port.shape
+        if variable.port.layout is Layout.DIAGONAL:
+            return f"{name}_block"
+        if stage is Stage.LEG and variable.per_leg and (variable.kind != "local" or name in self.outside):
+            if scalar:
+                return f"&{name}[i]" if output else f"{name}[i]"
+            return f"{name} + {size} * i" if size > 1 else f"{name} + i"
+        if scalar and output and variable.kind == "local":
+            return f"&{name}"
+        return name
 
 
 def _address(port: Port) -> str:
@@ -300,56 +408,32 @@ def _batch_input(port: Port, index: int) -> str:
 
 def _local(variable: Variable, *, legs: bool) -> str:
     size = prod(variable.port.shape) * (LEGS if legs else 1)
-    name = f"{variable.name}_block" if variable.port.layout is Layout.DIAGONAL else variable.name
-    return f"double {name}[{size}];" if legs or variable.port.shape else f"double {name};"
+    return f"double {variable.name}[{size}];" if legs or variable.port.shape else f"double {variable.name};"
 
 
-def _reference(variable: Variable, stage: Stage, in_platform: set[str], *, output: bool) -> str:
-    """How a kernel's argument is written: a value, an array, or a pointer to a leg's part of an array."""
-    size = prod(variable.port.shape)
-    scalar = not variable.port.shape
-    if variable.port.layout is Layout.DIAGONAL:
-        return f"{variable.name}_block"
-    if stage is Stage.LEG and variable.per_leg and (variable.kind != "local" or variable.name in in_platform):
-        if scalar:
-            return f"&{variable.name}[i]" if output else f"{variable.name}[i]"
-        return f"{variable.name} + {size} * i" if size > 1 else f"{variable.name} + i"
-    if scalar and not (stage is Stage.PLATFORM and variable.per_leg):
-        pointer = variable.kind == "output" and output
-        return f"&{variable.name}" if output and not pointer else variable.name
-    return variable.name
-
-
-def _call(robot: RobotCode, call: Call, known: dict[str, Variable], in_platform: set[str]) -> str:
-    part = robot.parts[call.part]
-    kernel = part.kernel(call.kernel)
-    arguments = [f"&g->{call.part}[i]"] if kernel.geometry is not None else []
-    for port in kernel.inputs:
-        arguments.append(_reference(known[call.variable_in(port.name)], call.stage, in_platform, output=False))
-    for port in kernel.outputs:
-        arguments.append(_reference(known[call.variable_out(port.name)], call.stage, in_platform, output=True))
-    return f"krhpr_{part.name}_{kernel.name}({', '.join(arguments)});"
-
-
-def _guard(guard: Guard, known: dict[str, Variable], function: RobotFunction, in_platform: set[str]) -> _GuardView:
-    variable = known[guard.variable]
-    value = variable.name
-    if variable.per_leg:
-        if variable.kind == "output" or variable.name in in_platform:
-            value = f"{variable.name}[i]"
-        fills = tuple(
-            (f"{port.name} + {port.size} * i", port.size)
-            for port in function.outputs
-            if port.per_leg and known[port.name].per_leg and port.name != guard.variable and port.layout is not Layout.DIAGONAL
-        )
-        fills += tuple(
-            (f"{port.name}_block", port.size) for port in function.outputs if port.layout is Layout.DIAGONAL
-        )
-        if function.stage(Stage.PLATFORM):
-            fills = ()
-    else:
-        value = f"{variable.name}[{guard.index}]"
-        fills = tuple((port.name, port.full_size) for port in function.outputs)
+def _leg_guard(guard: Guard, function: RobotFunction) -> _GuardView:
+    """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
+    fills: list[tuple[str, int]] = []
+    if not function.stage(Stage.PLATFORM):
+        for port in function.outputs:
+            if not port.per_leg or port.name == guard.variable:
+                continue
+            if port.layout is Layout.DIAGONAL:
+                rows, columns = port.shape
+                width = port.full_shape[1]
+                fills += [
+                    (f"{port.name} + {rows * width + columns} * i + {row * width}", columns) for row in range(rows)
+                ]
+            else:
+                fills.append((f"{port.name} + {port.size} * i", port.size))
     operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
-    status = f"KRHPR_{guard.status.name}" + (" + i" if variable.per_leg else "")
-    return _GuardView(f"{value} {operator} {guard.limit!r}", status, fills)
+    return _GuardView(f"{guard.variable}[i] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name} + i", tuple(fills))
+
+
+def _platform_guard(guard: Guard, function: RobotFunction) -> _GuardView:
+    """A guard of the whole platform: where it fails, every output is NaN."""
+    operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
+    fills = tuple((port.name, port.full_size) for port in function.outputs)
+    return _GuardView(
+        f"{guard.variable}[{guard.index}] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name}", fills
+    )
