@@ -64,7 +64,16 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return getattr(import_module(_HOME[name]), name)
+        try:
+            return getattr(import_module(_HOME[name]), name)
+        except ImportError as error:
+            if (error.name or "").startswith("krhpr.generated"):
+                from krhpr.errors import GeneratedMismatch
+
+                raise GeneratedMismatch(
+                    f"the generated robots are missing or damaged ({error}); run `krhpr generate` (or `make generate`)"
+                ) from error
+            raise
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -19,6 +19,7 @@ from krhpr.native import (
     CompilationError,
     NoCompiler,
     compile_library,
+    extension_path,
     function_address,
     load_library,
     make_gufunc,
@@ -71,6 +72,7 @@ class CompiledBackend:
 
     def __init__(self, module: ModuleType, geometry: Any) -> None:
         self._module = module
+        _extension()  # where it cannot be had, better now than in the first call
         self._library = _library(module.IDENTIFIER)
         self._prefix = f"krhpr_{module.IDENTIFIER}"
         self._geometry = self._prepare(geometry)
@@ -131,11 +133,25 @@ def c_sources() -> Path:
     return Path(str(files("krhpr.generated"))) / "c"
 
 
+def compile_robot(identifier: str) -> Path:
+    """The compiled library of a robot; compiles it unless that was done before."""
+    folder = c_sources()
+    return compile_library(f"krhpr_{identifier}", [folder / f"krhpr_{identifier}.c"], include_dirs=[folder])
+
+
+def compile_extension() -> Path:
+    """The compiled extension that makes NumPy functions of libraries; compiles it unless that was done before."""
+    return extension_path()
+
+
 @cache
 def _library(identifier: str) -> ctypes.CDLL:
-    folder = c_sources()
-    path = compile_library(f"krhpr_{identifier}", [folder / f"krhpr_{identifier}.c"], include_dirs=[folder])
-    return load_library(path)
+    return load_library(compile_robot(identifier))
+
+
+@cache
+def _extension() -> Path:
+    return compile_extension()
 
 
 @cache
@@ -147,4 +163,14 @@ def _warn_slow(reason: str) -> None:
     )
 
 
-__all__ = ["Backend", "BackendName", "CompilationError", "CompiledBackend", "NoCompiler", "NumpyBackend", "make_backend"]
+__all__ = [
+    "Backend",
+    "BackendName",
+    "CompilationError",
+    "CompiledBackend",
+    "NoCompiler",
+    "NumpyBackend",
+    "compile_extension",
+    "compile_robot",
+    "make_backend",
+]

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from difflib import get_close_matches
+
 
 class KrhprError(Exception):
-    """Base of the errors that this package raises on purpose."""
+    """Base of the errors that this package raises on purpose; the first argument is the message."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ""
 
 
 class UnknownRobot(KrhprError, KeyError):
     """No robot has this name."""
 
-    def __str__(self) -> str:
-        return str(self.args[0])
+    @classmethod
+    def among(cls, identifier: str, known: Sequence[str]) -> UnknownRobot:
+        """The error for a name that is not among those known; it says which are nearest."""
+        near = get_close_matches(identifier, known, n=3, cutoff=0.4)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
+        return cls(f"no robot is called {identifier!r}; {hint}")
 
 
 class UnknownBranch(KrhprError, ValueError):
@@ -22,7 +32,7 @@ class Unreachable(KrhprError, ValueError):
     """A pose that a leg cannot reach: `leg` (1 to 3), `distance` in the geometry's unit, `index` in the batch."""
 
     def __init__(self, message: str, leg: int, distance: float, index: tuple[int, ...]) -> None:
-        super().__init__(message)
+        super().__init__(message, leg, distance, index)  # all of them, for pickle
         self.leg, self.distance, self.index = leg, distance, index
 
 
@@ -30,12 +40,16 @@ class Singular(KrhprError, ValueError):
     """A configuration in which a determinant vanishes; `status` says which one, `index` where in the batch."""
 
     def __init__(self, message: str, status: int, index: tuple[int, ...]) -> None:
-        super().__init__(message)
+        super().__init__(message, status, index)
         self.status, self.index = status, index
 
 
 class InvalidInput(KrhprError, ValueError):
-    """NaN or infinite input, or a matrix that is not a rotation."""
+    """NaN or infinite input, or a matrix that is not a rotation; `index` is its place in the batch."""
+
+    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
+        super().__init__(message, index)
+        self.index = index
 
 
 class GeneratedMismatch(KrhprError, RuntimeError):

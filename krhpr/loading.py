@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from importlib import import_module
 
 import krhpr.generated
@@ -23,11 +22,8 @@ def load(identifier: str, *, backend: str | None = None) -> Robot:
     `backend` is `auto` (compiled kernels where there is a compiler, else NumPy), `compiled` or `numpy`; the environment
     variable KRHPR_BACKEND sets it for all.
     """
-    known = catalogue()
-    if identifier not in known:
-        near = get_close_matches(identifier, known, n=3, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
-        raise UnknownRobot(f"no robot is called {identifier!r}; {hint}")
+    if identifier not in catalogue():
+        raise UnknownRobot.among(identifier, catalogue())
     return Robot(import_module(f"krhpr.generated.python.{identifier}"), backend=backend)
 
 

@@ -91,7 +91,7 @@ class Robot:
 
     @property
     def documentation(self) -> Mapping[str, tuple[tuple[str, str], ...]]:
-        """Joints, singular factors, margins and sections of the thesis, each with its meaning."""
+        """Geometry, joints, modes, singular factors, margins, sections of the thesis: names with their meanings."""
         return self._module.DOCUMENTATION  # type: ignore[no-any-return]
 
     def signature(self, function: str) -> Signature:
@@ -330,11 +330,12 @@ class Robot:
             # NaN passes here and gets the status INVALID_INPUT
             bad = (error > ROTATION_TOLERANCE) | (np.linalg.det(array) < 0)
             if np.any(bad):
-                index = np.unravel_index(np.argmax(bad), np.shape(bad))
+                index = tuple(int(i) for i in np.unravel_index(np.argmax(bad), np.shape(bad)))
                 raise InvalidInput(
                     f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q - I| is "
                     f"{float(error[index]):.3g} (tolerance {ROTATION_TOLERANCE:g}), det Q = "
-                    f"{float(np.linalg.det(array)[index]):.3g}; make it orthonormal, or pass check_rotation=False"
+                    f"{float(np.linalg.det(array)[index]):.3g}; make it orthonormal, or pass check_rotation=False",
+                    index,
                 )
 
     def _raise_first(self, signature: Signature, arrays: Sequence[Any], status: Any) -> None:
@@ -344,7 +345,7 @@ class Robot:
         code = Status(int(status[index]))
         where = f"{self.identifier}.{signature.name}{_at(index)}"
         if code is Status.INVALID_INPUT:
-            raise InvalidInput(f"{where}: an input is NaN or infinite")
+            raise InvalidInput(f"{where}: an input is NaN or infinite", index)
         if code in (Status.UNREACHABLE_LEG_1, Status.UNREACHABLE_LEG_2, Status.UNREACHABLE_LEG_3):
             leg, distance = int(code), self._distance(signature, arrays, status, index, int(code))
             raise Unreachable(

@@ -15,6 +15,20 @@
 #define KRHPR_RESTRICT restrict
 #endif
 
+/* One copy in a translation unit of what is long or rarely called. */
+#if defined(__GNUC__)
+#define KRHPR_OUTLINE __attribute__((noinline, unused)) static
+#else
+#define KRHPR_OUTLINE static inline
+#endif
+
+/* Keeps a loop small where speed does not depend on it. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define KRHPR_ROLLED _Pragma("GCC unroll 1")
+#else
+#define KRHPR_ROLLED
+#endif
+
 /* What a function says about its answer.  Answers that do not exist are NaN. */
 typedef enum {
     KRHPR_OK = 0, /* the answer is valid */
@@ -42,17 +56,18 @@ static inline double krhpr_max(double a, double b)
     return a > b ? a : b;
 }
 
-/* Whether none of n values is NaN or infinite. */
-static inline int krhpr_all_finite(const double *x, int n)
+/* Zero where all n values are finite, NaN where one is NaN or infinite. */
+static inline double krhpr_taint(const double *x, int n)
 {
-    int finite = 1;
+    double taint = 0.0;
+    KRHPR_ROLLED
     for (int k = 0; k < n; ++k) {
-        finite &= fabs(x[k]) <= 1.7976931348623157e308;
+        taint += x[k] * 0.0;
     }
-    return finite;
+    return taint;
 }
 
-static inline void krhpr_fill_nan(double *x, int n)
+KRHPR_OUTLINE void krhpr_fill_nan(double *x, int n)
 {
     for (int k = 0; k < n; ++k) {
         x[k] = (double)NAN; /* NAN is a float */

@@ -11,7 +11,17 @@
 #ifndef KRHPR_ELEMENTARY_H
 #define KRHPR_ELEMENTARY_H
 
-#include <math.h>
+#include "krhpr.h"
+
+/* Angles are computed in blocks of KRHPR_LANES, long enough for compilers to use vectors; arrays are padded to whole blocks with zeros. */
+#ifndef KRHPR_LANES
+#if defined(__SSE2__) || defined(__aarch64__)
+#define KRHPR_LANES 4
+#else
+#define KRHPR_LANES 1
+#endif
+#endif
+#define KRHPR_PADDED(n) (((n) + KRHPR_LANES - 1) / KRHPR_LANES * KRHPR_LANES)
 
 /* Sine and cosine for |x| <= 1e5. */
 static inline void krhpr_sincos_near(double x, double *sine, double *cosine)
@@ -48,7 +58,7 @@ static inline void krhpr_sincos_near(double x, double *sine, double *cosine)
     *cosine = along * c - across * s;
 }
 
-/* The angle of (x, y) where the longer of the two is neither tiny nor huge. */
+/* The angle of (x, y) where the longer of the two is neither tiny nor huge, or both are zero. */
 static inline double krhpr_atan2_near(double y, double x)
 {
     const double ax = fabs(x);
@@ -57,7 +67,8 @@ static inline double krhpr_atan2_near(double y, double x)
     const double short_side = ax > ay ? ay : ax;
     /* the angle from the nearer axis is at most pi/4; above pi/8 measure it from pi/4: |u| <= tan(pi/8) */
     const double f = short_side > 0.41421356237309503 * long_side ? 1.0 : 0.0;
-    const double u = (short_side - f * long_side) / (long_side + f * short_side);
+    const double divisor = long_side + f * short_side;
+    const double u = (short_side - f * long_side) / (divisor > 0.0 ? divisor : 1.0);
     const double z = u * u;
     const double w = z * z;
     /* the odd polynomial of fdlibm's atan, even and odd terms apart */
@@ -83,7 +94,7 @@ static inline int krhpr_sincos_is_near(double x)
 static inline int krhpr_atan2_is_near(double y, double x)
 {
     const double size = fabs(x) + fabs(y);
-    return (size >= 1e-290) & (size <= 1e290);
+    return ((size >= 1e-290) & (size <= 1e290)) | (size == 0.0);
 }
 
 static inline void krhpr_sincos(double x, double *sine, double *cosine)
@@ -108,41 +119,60 @@ static inline double krhpr_atan2(double y, double x)
     return atan2(y, x);
 }
 
-static inline void krhpr_sincos_array(int n, const double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT sine, double *KRHPR_RESTRICT cosine)
+/* One block of angles. */
+KRHPR_OUTLINE void krhpr_sincos_block(const double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT sine, double *KRHPR_RESTRICT cosine)
 {
 #ifndef KRHPR_LIBM
     int near_all = 1;
-    for (int k = 0; k < n; ++k) {
+    for (int k = 0; k < KRHPR_LANES; ++k) {
         krhpr_sincos_near(x[k], &sine[k], &cosine[k]);
     }
-    for (int k = 0; k < n; ++k) {
+    for (int k = 0; k < KRHPR_LANES; ++k) {
         near_all &= krhpr_sincos_is_near(x[k]);
     }
     if (near_all) {
         return;
     }
 #endif
-    for (int k = 0; k < n; ++k) {
-        krhpr_sincos(x[k], &sine[k], &cosine[k]);
+    KRHPR_ROLLED
+    for (int k = 0; k < KRHPR_LANES; ++k) {
+        sine[k] = sin(x[k]);
+        cosine[k] = cos(x[k]);
     }
 }
 
-static inline void krhpr_atan2_array(int n, const double *KRHPR_RESTRICT y, const double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT angle)
+KRHPR_OUTLINE void krhpr_atan2_block(const double *KRHPR_RESTRICT y, const double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT angle)
 {
 #ifndef KRHPR_LIBM
     int near_all = 1;
-    for (int k = 0; k < n; ++k) {
+    for (int k = 0; k < KRHPR_LANES; ++k) {
         angle[k] = krhpr_atan2_near(y[k], x[k]);
     }
-    for (int k = 0; k < n; ++k) {
+    for (int k = 0; k < KRHPR_LANES; ++k) {
         near_all &= krhpr_atan2_is_near(y[k], x[k]);
     }
     if (near_all) {
         return;
     }
 #endif
-    for (int k = 0; k < n; ++k) {
-        angle[k] = krhpr_atan2(y[k], x[k]);
+    KRHPR_ROLLED
+    for (int k = 0; k < KRHPR_LANES; ++k) {
+        angle[k] = atan2(y[k], x[k]);
+    }
+}
+
+/* Sines and cosines of n angles, and the angles of n points; every array has KRHPR_PADDED(n) elements, all of them set. */
+static inline void krhpr_sincos_array(int n, const double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT sine, double *KRHPR_RESTRICT cosine)
+{
+    for (int k = 0; k < n; k += KRHPR_LANES) {
+        krhpr_sincos_block(x + k, sine + k, cosine + k);
+    }
+}
+
+static inline void krhpr_atan2_array(int n, const double *KRHPR_RESTRICT y, const double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT angle)
+{
+    for (int k = 0; k < n; k += KRHPR_LANES) {
+        krhpr_atan2_block(y + k, x + k, angle + k);
     }
 }
 

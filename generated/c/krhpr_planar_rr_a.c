@@ -15,13 +15,13 @@ int krhpr_planar_rr_a_prepare(krhpr_planar_rr_a_geometry *g)
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_prepare(&g->subleg[i]);
         krhpr_platform_planar_a_prepare(&g->platform[i]);
-        valid &= krhpr_all_finite(&g->subleg[i].azimuth, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].R_b, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_1, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_2, 1);
-        valid &= krhpr_all_finite(&g->platform[i].platform_azimuth, 1);
-        valid &= krhpr_all_finite(&g->platform[i].R_p, 1);
-        valid &= krhpr_all_finite(&g->platform[i].l_r, 1);
+        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
         valid &= g->subleg[i].R_b > 0.0;
         valid &= g->subleg[i].l_1 > 0.0;
         valid &= g->subleg[i].l_2 > 0.0;
@@ -65,13 +65,13 @@ int krhpr_planar_rr_a_end_points(const krhpr_planar_rr_a_geometry *g, const doub
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
@@ -101,18 +101,18 @@ int krhpr_planar_rr_a_redundant_coordinates(const krhpr_planar_rr_a_geometry *g,
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[1];
-    double sine[1];
-    double cosine[1];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[3];
-    double tail_x[3];
-    double tail[3];
+    double tail_y[KRHPR_PADDED(3)] = {0.0};
+    double tail_x[KRHPR_PADDED(3)] = {0.0};
+    double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
@@ -140,13 +140,13 @@ int krhpr_planar_rr_a_redundant_coordinates_batch(const krhpr_planar_rr_a_geomet
 int krhpr_planar_rr_a_subleg_forward(const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(theta, 6))) {
+    if (!(krhpr_taint(theta, 6) == 0.0)) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_forward_angles(theta + 2 * i, angle + 2 * i);
     }
@@ -174,13 +174,13 @@ int krhpr_planar_rr_a_subleg_inverse(const krhpr_planar_rr_a_geometry *g, const 
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(s, 6))) {
+    if (!(krhpr_taint(s, 6) == 0.0)) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[12];
-    double tail_x[12];
-    double tail[12];
+    double tail_y[KRHPR_PADDED(12)] = {0.0};
+    double tail_x[KRHPR_PADDED(12)] = {0.0};
+    double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
@@ -216,13 +216,13 @@ int krhpr_planar_rr_a_subleg_inverse_batch(const krhpr_planar_rr_a_geometry *g, 
 int krhpr_planar_rr_a_subleg_jacobian(const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6))) {
+    if (!(krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
         krhpr_fill_nan(M, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 * i);
     }
@@ -253,13 +253,13 @@ int krhpr_planar_rr_a_constraints(const krhpr_planar_rr_a_geometry *g, const dou
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
         krhpr_fill_nan(residual, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[1];
-    double sine[1];
-    double cosine[1];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
@@ -286,7 +286,7 @@ int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const doubl
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
@@ -294,9 +294,9 @@ int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const doubl
     for (int k = 0; k < 18; ++k) {
         K[k] = 0.0;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -335,14 +335,14 @@ int krhpr_planar_rr_a_jacobian_blocks(const krhpr_planar_rr_a_geometry *g, const
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -381,21 +381,21 @@ int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double 
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 3))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
     }
     krhpr_sincos_array(4, angle, sine, cosine);
-    double tail_y[6];
-    double tail_x[6];
-    double tail[6];
+    double tail_y[KRHPR_PADDED(6)] = {0.0};
+    double tail_x[KRHPR_PADDED(6)] = {0.0};
+    double tail[KRHPR_PADDED(6)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
@@ -434,21 +434,21 @@ int krhpr_planar_rr_a_inverse_all(const krhpr_planar_rr_a_geometry *g, const dou
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
     }
     krhpr_sincos_array(4, angle, sine, cosine);
-    double tail_y[12];
-    double tail_x[12];
-    double tail[12];
+    double tail_y[KRHPR_PADDED(12)] = {0.0};
+    double tail_x[KRHPR_PADDED(12)] = {0.0};
+    double tail[KRHPR_PADDED(12)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
@@ -491,13 +491,13 @@ int krhpr_planar_rr_a_inverse_status(const krhpr_planar_rr_a_geometry *g, const 
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 3))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
@@ -538,13 +538,13 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6) & krhpr_all_finite(theta_dot, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(theta_dot, 6) == 0.0)) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -590,13 +590,13 @@ int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const dou
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6) & krhpr_all_finite(twist, 3) & krhpr_all_finite(redundant_rate, 3))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -641,13 +641,13 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6) & krhpr_all_finite(twist, 3) & krhpr_all_finite(theta_dot, 6) & krhpr_all_finite(theta_ddot, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6) == 0.0)) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_bias_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -700,13 +700,13 @@ int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, c
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6) & krhpr_all_finite(twist, 3) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 6) & krhpr_all_finite(twist_rate, 3) & krhpr_all_finite(redundant_acceleration, 3))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_bias_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -753,22 +753,22 @@ int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const 
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
         krhpr_fill_nan(wrist, 3);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
     }
     krhpr_sincos_array(4, angle, sine, cosine);
-    double tail_y[6];
-    double tail_x[6];
-    double tail[6];
+    double tail_y[KRHPR_PADDED(6)] = {0.0};
+    double tail_x[KRHPR_PADDED(6)] = {0.0};
+    double tail[KRHPR_PADDED(6)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double d[2];
@@ -808,16 +808,16 @@ int krhpr_planar_rr_a_singularity(const krhpr_planar_rr_a_geometry *g, const dou
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_all_finite(p, 2) & krhpr_all_finite(&phi, 1) & krhpr_all_finite(s, 6) & krhpr_all_finite(theta, 6))) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 3);
         krhpr_fill_nan(type_2, 1);
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[4];
-    double sine[4];
-    double cosine[4];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
@@ -857,7 +857,7 @@ int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const do
     double all[12];
     int status = krhpr_planar_rr_a_inverse_all(g, p, phi, redundant, all);
     krhpr_fill_nan(theta, 6);
-    if (status == KRHPR_INVALID_INPUT || !krhpr_all_finite(theta_near, 6)) {
+    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 6) == 0.0)) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

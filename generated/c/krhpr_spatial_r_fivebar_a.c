@@ -16,18 +16,18 @@ int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g)
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_prepare(&g->subleg[i]);
         krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_all_finite(&g->subleg[i].azimuth, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].R_b, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].alpha, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_1, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_2, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_3, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_4, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_5, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_6, 1);
-        valid &= krhpr_all_finite(&g->platform[i].platform_azimuth, 1);
-        valid &= krhpr_all_finite(&g->platform[i].R_p, 1);
-        valid &= krhpr_all_finite(&g->platform[i].l_r, 1);
+        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_5, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
         valid &= g->subleg[i].R_b > 0.0;
         valid &= g->subleg[i].l_2 > 0.0;
         valid &= g->subleg[i].l_3 > 0.0;
@@ -78,13 +78,13 @@ size_t krhpr_spatial_r_fivebar_a_geometry_size(void)
 int krhpr_spatial_r_fivebar_a_end_points(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
@@ -111,13 +111,13 @@ int krhpr_spatial_r_fivebar_a_end_points_batch(const krhpr_spatial_r_fivebar_a_g
 int krhpr_spatial_r_fivebar_a_redundant_coordinates(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[3];
-    double tail_x[3];
-    double tail[3];
+    double tail_y[KRHPR_PADDED(3)] = {0.0};
+    double tail_x[KRHPR_PADDED(3)] = {0.0};
+    double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
@@ -148,13 +148,13 @@ int krhpr_spatial_r_fivebar_a_subleg_forward(const krhpr_spatial_r_fivebar_a_geo
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!(krhpr_all_finite(theta, 9) & krhpr_all_finite(assembly, 3))) {
+    if (!(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -188,13 +188,13 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse(const krhpr_spatial_r_fivebar_a_geo
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[42];
-    double tail_x[42];
-    double tail[42];
+    double tail_y[KRHPR_PADDED(42)] = {0.0};
+    double tail_x[KRHPR_PADDED(42)] = {0.0};
+    double tail[KRHPR_PADDED(42)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
     }
@@ -251,13 +251,13 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian(const krhpr_spatial_r_fivebar_a_ge
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -296,7 +296,7 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(const krhpr_spatial_r_fiveba
 int krhpr_spatial_r_fivebar_a_constraints(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -323,7 +323,7 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -331,9 +331,9 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -382,14 +382,14 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_ge
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -435,20 +435,20 @@ int krhpr_spatial_r_fivebar_a_inverse(const krhpr_spatial_r_fivebar_a_geometry *
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 9) == 0.0)) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
     krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[9];
-    double tail_x[9];
-    double tail[9];
+    double tail_y[KRHPR_PADDED(9)] = {0.0};
+    double tail_x[KRHPR_PADDED(9)] = {0.0};
+    double tail[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -486,20 +486,20 @@ int krhpr_spatial_r_fivebar_a_inverse_all(const krhpr_spatial_r_fivebar_a_geomet
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
     krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[42];
-    double tail_x[42];
-    double tail[42];
+    double tail_y[KRHPR_PADDED(42)] = {0.0};
+    double tail_x[KRHPR_PADDED(42)] = {0.0};
+    double tail[KRHPR_PADDED(42)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -560,13 +560,13 @@ int krhpr_spatial_r_fivebar_a_inverse_status(const krhpr_spatial_r_fivebar_a_geo
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 9) == 0.0)) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
@@ -605,13 +605,13 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(theta_dot, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(theta_dot, 9) == 0.0)) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -665,13 +665,13 @@ int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geomet
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -717,13 +717,13 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(theta_ddot, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_bias_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -784,13 +784,13 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(twist_rate, 6) & krhpr_all_finite(redundant_acceleration, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_bias_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -837,22 +837,22 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(const krhpr_spatial_r_fi
 int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(passive, 9);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
     krhpr_sincos_array(9, angle, sine, cosine);
-    double tail_y[12];
-    double tail_x[12];
-    double tail[12];
+    double tail_y[KRHPR_PADDED(12)] = {0.0};
+    double tail_x[KRHPR_PADDED(12)] = {0.0};
+    double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
@@ -895,16 +895,16 @@ int krhpr_spatial_r_fivebar_a_singularity(const krhpr_spatial_r_fivebar_a_geomet
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -945,7 +945,7 @@ int krhpr_spatial_r_fivebar_a_inverse_near(const krhpr_spatial_r_fivebar_a_geome
     double all[72];
     int status = krhpr_spatial_r_fivebar_a_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !krhpr_all_finite(theta_near, 9)) {
+    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -15,15 +15,15 @@ int krhpr_spatial_rrr_a_prepare(krhpr_spatial_rrr_a_geometry *g)
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_prepare(&g->subleg[i]);
         krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_all_finite(&g->subleg[i].azimuth, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].R_b, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].alpha, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_1, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_2, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_3, 1);
-        valid &= krhpr_all_finite(&g->platform[i].platform_azimuth, 1);
-        valid &= krhpr_all_finite(&g->platform[i].R_p, 1);
-        valid &= krhpr_all_finite(&g->platform[i].l_r, 1);
+        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
         valid &= g->subleg[i].R_b > 0.0;
         valid &= g->subleg[i].l_2 > 0.0;
         valid &= g->subleg[i].l_3 > 0.0;
@@ -68,13 +68,13 @@ size_t krhpr_spatial_rrr_a_geometry_size(void)
 int krhpr_spatial_rrr_a_end_points(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
@@ -101,13 +101,13 @@ int krhpr_spatial_rrr_a_end_points_batch(const krhpr_spatial_rrr_a_geometry *g, 
 int krhpr_spatial_rrr_a_redundant_coordinates(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[3];
-    double tail_x[3];
-    double tail[3];
+    double tail_y[KRHPR_PADDED(3)] = {0.0};
+    double tail_x[KRHPR_PADDED(3)] = {0.0};
+    double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
@@ -134,13 +134,13 @@ int krhpr_spatial_rrr_a_redundant_coordinates_batch(const krhpr_spatial_rrr_a_ge
 int krhpr_spatial_rrr_a_subleg_forward(const krhpr_spatial_rrr_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_forward_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -168,13 +168,13 @@ int krhpr_spatial_rrr_a_subleg_inverse(const krhpr_spatial_rrr_a_geometry *g, co
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[24];
-    double tail_x[24];
-    double tail[24];
+    double tail_y[KRHPR_PADDED(24)] = {0.0};
+    double tail_x[KRHPR_PADDED(24)] = {0.0};
+    double tail[KRHPR_PADDED(24)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
     }
@@ -218,13 +218,13 @@ int krhpr_spatial_rrr_a_subleg_inverse_batch(const krhpr_spatial_rrr_a_geometry 
 int krhpr_spatial_rrr_a_subleg_jacobian(const krhpr_spatial_rrr_a_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -256,7 +256,7 @@ int krhpr_spatial_rrr_a_subleg_jacobian_batch(const krhpr_spatial_rrr_a_geometry
 int krhpr_spatial_rrr_a_constraints(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -282,7 +282,7 @@ int krhpr_spatial_rrr_a_constraints_batch(const krhpr_spatial_rrr_a_geometry *g,
 int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -290,9 +290,9 @@ int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const d
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -331,14 +331,14 @@ int krhpr_spatial_rrr_a_jacobians_batch(const krhpr_spatial_rrr_a_geometry *g, s
 int krhpr_spatial_rrr_a_jacobian_blocks(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -376,20 +376,20 @@ int krhpr_spatial_rrr_a_inverse(const krhpr_spatial_rrr_a_geometry *g, const dou
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 6))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
     krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[9];
-    double tail_x[9];
-    double tail[9];
+    double tail_y[KRHPR_PADDED(9)] = {0.0};
+    double tail_x[KRHPR_PADDED(9)] = {0.0};
+    double tail[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -427,20 +427,20 @@ int krhpr_spatial_rrr_a_inverse_all(const krhpr_spatial_rrr_a_geometry *g, const
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
     krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[24];
-    double tail_x[24];
-    double tail[24];
+    double tail_y[KRHPR_PADDED(24)] = {0.0};
+    double tail_x[KRHPR_PADDED(24)] = {0.0};
+    double tail[KRHPR_PADDED(24)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -489,13 +489,13 @@ int krhpr_spatial_rrr_a_inverse_status(const krhpr_spatial_rrr_a_geometry *g, co
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 6))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[3];
-    double sine[3];
-    double cosine[3];
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
     }
@@ -533,13 +533,13 @@ int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const doubl
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(theta_dot, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(theta_dot, 9) == 0.0)) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -587,13 +587,13 @@ int krhpr_spatial_rrr_a_joint_rates(const krhpr_spatial_rrr_a_geometry *g, const
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -637,13 +637,13 @@ int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(theta_ddot, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_bias_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -698,13 +698,13 @@ int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(twist_rate, 6) & krhpr_all_finite(redundant_acceleration, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_bias_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -750,21 +750,21 @@ int krhpr_spatial_rrr_a_joint_accelerations_batch(const krhpr_spatial_rrr_a_geom
 int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
     krhpr_sincos_array(6, angle, sine, cosine);
-    double tail_y[3];
-    double tail_x[3];
-    double tail[3];
+    double tail_y[KRHPR_PADDED(3)] = {0.0};
+    double tail_x[KRHPR_PADDED(3)] = {0.0};
+    double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
         double x[3];
         double e_2[3];
@@ -803,16 +803,16 @@ int krhpr_spatial_rrr_a_singularity(const krhpr_spatial_rrr_a_geometry *g, const
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 6);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -852,7 +852,7 @@ int krhpr_spatial_rrr_a_inverse_near(const krhpr_spatial_rrr_a_geometry *g, cons
     double all[36];
     int status = krhpr_spatial_rrr_a_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !krhpr_all_finite(theta_near, 9)) {
+    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -15,13 +15,13 @@ int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g)
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_prepare(&g->subleg[i]);
         krhpr_platform_spatial_c_prepare(&g->platform[i]);
-        valid &= krhpr_all_finite(&g->subleg[i].azimuth, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].R_b, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].alpha, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_1, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_2, 1);
-        valid &= krhpr_all_finite(&g->subleg[i].l_3, 1);
-        valid &= krhpr_all_finite(&g->platform[i].platform_azimuth, 1);
+        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
+        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
         valid &= g->subleg[i].R_b > 0.0;
         valid &= g->subleg[i].l_2 > 0.0;
         valid &= g->subleg[i].l_3 > 0.0;
@@ -62,7 +62,7 @@ size_t krhpr_spatial_rrr_c_geometry_size(void)
 int krhpr_spatial_rrr_c_end_points(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -88,7 +88,7 @@ int krhpr_spatial_rrr_c_end_points_batch(const krhpr_spatial_rrr_c_geometry *g, 
 int krhpr_spatial_rrr_c_redundant_coordinates(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -114,13 +114,13 @@ int krhpr_spatial_rrr_c_redundant_coordinates_batch(const krhpr_spatial_rrr_c_ge
 int krhpr_spatial_rrr_c_subleg_forward(const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[9];
-    double sine[9];
-    double cosine[9];
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_forward_angles(theta + 3 * i, angle + 3 * i);
     }
@@ -148,13 +148,13 @@ int krhpr_spatial_rrr_c_subleg_inverse(const krhpr_spatial_rrr_c_geometry *g, co
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[24];
-    double tail_x[24];
-    double tail[24];
+    double tail_y[KRHPR_PADDED(24)] = {0.0};
+    double tail_x[KRHPR_PADDED(24)] = {0.0};
+    double tail[KRHPR_PADDED(24)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
     }
@@ -198,13 +198,13 @@ int krhpr_spatial_rrr_c_subleg_inverse_batch(const krhpr_spatial_rrr_c_geometry 
 int krhpr_spatial_rrr_c_subleg_jacobian(const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -236,7 +236,7 @@ int krhpr_spatial_rrr_c_subleg_jacobian_batch(const krhpr_spatial_rrr_c_geometry
 int krhpr_spatial_rrr_c_constraints(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -262,7 +262,7 @@ int krhpr_spatial_rrr_c_constraints_batch(const krhpr_spatial_rrr_c_geometry *g,
 int krhpr_spatial_rrr_c_jacobians(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -270,9 +270,9 @@ int krhpr_spatial_rrr_c_jacobians(const krhpr_spatial_rrr_c_geometry *g, const d
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -311,14 +311,14 @@ int krhpr_spatial_rrr_c_jacobians_batch(const krhpr_spatial_rrr_c_geometry *g, s
 int krhpr_spatial_rrr_c_jacobian_blocks(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -356,13 +356,13 @@ int krhpr_spatial_rrr_c_inverse(const krhpr_spatial_rrr_c_geometry *g, const dou
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 6))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[9];
-    double tail_x[9];
-    double tail[9];
+    double tail_y[KRHPR_PADDED(9)] = {0.0};
+    double tail_x[KRHPR_PADDED(9)] = {0.0};
+    double tail[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
@@ -400,13 +400,13 @@ int krhpr_spatial_rrr_c_inverse_all(const krhpr_spatial_rrr_c_geometry *g, const
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[24];
-    double tail_x[24];
-    double tail[24];
+    double tail_y[KRHPR_PADDED(24)] = {0.0};
+    double tail_x[KRHPR_PADDED(24)] = {0.0};
+    double tail[KRHPR_PADDED(24)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
@@ -455,7 +455,7 @@ int krhpr_spatial_rrr_c_inverse_status(const krhpr_spatial_rrr_c_geometry *g, co
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(redundant, 3) & krhpr_all_finite(mode, 6))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -492,13 +492,13 @@ int krhpr_spatial_rrr_c_twist(const krhpr_spatial_rrr_c_geometry *g, const doubl
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(theta_dot, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(theta_dot, 9) == 0.0)) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -546,13 +546,13 @@ int krhpr_spatial_rrr_c_joint_rates(const krhpr_spatial_rrr_c_geometry *g, const
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -596,13 +596,13 @@ int krhpr_spatial_rrr_c_platform_acceleration(const krhpr_spatial_rrr_c_geometry
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(theta_ddot, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_bias_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -657,13 +657,13 @@ int krhpr_spatial_rrr_c_joint_accelerations(const krhpr_spatial_rrr_c_geometry *
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9) & krhpr_all_finite(twist, 6) & krhpr_all_finite(redundant_rate, 3) & krhpr_all_finite(theta_dot, 9) & krhpr_all_finite(twist_rate, 6) & krhpr_all_finite(redundant_acceleration, 3))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_bias_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -709,14 +709,14 @@ int krhpr_spatial_rrr_c_joint_accelerations_batch(const krhpr_spatial_rrr_c_geom
 int krhpr_spatial_rrr_c_passive_joints(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -755,16 +755,16 @@ int krhpr_spatial_rrr_c_singularity(const krhpr_spatial_rrr_c_geometry *g, const
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_all_finite(p, 3) & krhpr_all_finite(Q, 9) & krhpr_all_finite(s, 9) & krhpr_all_finite(theta, 9))) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 6);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[6];
-    double sine[6];
-    double cosine[6];
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
     }
@@ -804,7 +804,7 @@ int krhpr_spatial_rrr_c_inverse_near(const krhpr_spatial_rrr_c_geometry *g, cons
     double all[36];
     int status = krhpr_spatial_rrr_c_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !krhpr_all_finite(theta_near, 9)) {
+    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -38,6 +38,29 @@ ASSEMBLIES: dict[str, tuple[int, ...]] = {
 DEFAULT_ASSEMBLY = ""
 ANGULAR = (True, True,)
 DOCUMENTATION = {
+    "geometry": (
+        ("azimuth", "azimuth of the leg on the base"),
+        ("R_b", "circumradius of the base"),
+        ("l_1", "first link"),
+        ("l_2", "second link"),
+        ("platform_azimuth", "azimuth of the leg on the platform"),
+        ("R_p", "circumradius of the platform"),
+        ("l_r", "redundant link (l_i7 in Chapter 1, l_i4 later)"),
+    ),
+    "units": (
+        ("azimuth", "rad"),
+        ("R_b", "m"),
+        ("l_1", "m"),
+        ("l_2", "m"),
+        ("platform_azimuth", "rad"),
+        ("R_p", "m"),
+        ("l_r", "m"),
+    ),
+    "working mode": (
+        ("elbow", "elbow+ (+1) or elbow- (-1): sign of sin(theta_2)"),
+    ),
+    "assembly mode": (
+    ),
     "actuators": (
         ("theta_1", "first link, from the x axis of the base"),
         ("theta_2", "second link relative to the first"),

@@ -47,6 +47,42 @@ ASSEMBLIES: dict[str, tuple[int, ...]] = {
 DEFAULT_ASSEMBLY = "left"
 ANGULAR = (True, True, True,)
 DOCUMENTATION = {
+    "geometry": (
+        ("azimuth", "azimuth of the leg on the base"),
+        ("R_b", "circumradius of the base"),
+        ("alpha", "first axis, from the ray base joint -> O; more than pi/2 leans outwards"),
+        ("l_1", "link i1, along the first axis"),
+        ("l_2", "crank u_2"),
+        ("l_3", "rod v_2"),
+        ("l_4", "crank u_1"),
+        ("l_5", "whole distal link"),
+        ("l_6", "part of the distal link from crank u_1 to S_i"),
+        ("platform_azimuth", "azimuth of the leg on the platform"),
+        ("R_p", "circumradius of the platform"),
+        ("l_r", "redundant link (l_i7 in Chapter 1, l_i4 later)"),
+    ),
+    "units": (
+        ("azimuth", "rad"),
+        ("R_b", "m"),
+        ("alpha", "rad"),
+        ("l_1", "m"),
+        ("l_2", "m"),
+        ("l_3", "m"),
+        ("l_4", "m"),
+        ("l_5", "m"),
+        ("l_6", "m"),
+        ("platform_azimuth", "rad"),
+        ("R_p", "m"),
+        ("l_r", "m"),
+    ),
+    "working mode": (
+        ("shoulder", "front (+1) or back (-1): side of the first axis on which the linkage plane's x points to S_i"),
+        ("elbow", "elbow+ (+1) or elbow- (-1): sign of u_1 x v_1 about e_2"),
+        ("rod", "rod+ (+1) or rod- (-1): sign of u_2 x v_2 about e_2"),
+    ),
+    "assembly mode": (
+        ("assembly", "left (+1) or right (-1): P lies left or right of the directed line C -> E in the plane (x, e_1)"),
+    ),
     "actuators": (
         ("theta_1", "about e_1; zero where e_2 is tangential"),
         ("theta_2", "crank u_1 (l_4), from x towards e_1"),

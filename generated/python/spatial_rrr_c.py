@@ -40,6 +40,30 @@ ASSEMBLIES: dict[str, tuple[int, ...]] = {
 DEFAULT_ASSEMBLY = ""
 ANGULAR = (True, True, True,)
 DOCUMENTATION = {
+    "geometry": (
+        ("azimuth", "azimuth of the leg on the base"),
+        ("R_b", "circumradius of the base"),
+        ("alpha", "first axis, from the ray base joint -> O; more than pi/2 leans outwards"),
+        ("l_1", "link i1, along the first axis"),
+        ("l_2", "link i2"),
+        ("l_3", "link i3"),
+        ("platform_azimuth", "azimuth of the leg's slide on the platform"),
+    ),
+    "units": (
+        ("azimuth", "rad"),
+        ("R_b", "m"),
+        ("alpha", "rad"),
+        ("l_1", "m"),
+        ("l_2", "m"),
+        ("l_3", "m"),
+        ("platform_azimuth", "rad"),
+    ),
+    "working mode": (
+        ("shoulder", "front (+1) or back (-1): side of the first axis on which the linkage plane's x points to S_i"),
+        ("elbow", "elbow+ (+1) or elbow- (-1): sign of sin(theta_3)"),
+    ),
+    "assembly mode": (
+    ),
     "actuators": (
         ("theta_1", "about e_1; zero where e_2 is tangential"),
         ("theta_2", "about e_2; link i2 from x towards e_1"),

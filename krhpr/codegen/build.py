@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.kernel import GeometryField
 from krhpr.codegen.passes import Part, optimise
 from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.platforms.base import Platform
-from krhpr.derivations.sublegs.base import Mode, Space, SubLeg
+from krhpr.derivations.sublegs.base import Mode, Sign, Space, SubLeg
 
 
 class Parts:
@@ -66,6 +67,10 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
         assembly_signs=tuple(mode.signs for mode in subleg.assemblies),
         angular=tuple(joint.kind == "revolute" for joint in subleg.actuators),
         documentation={
+            "geometry": tuple((field.name, field.doc) for field in _fields(entry)),
+            "units": tuple((field.name, str(field.unit)) for field in _fields(entry)),
+            "working mode": tuple((sign.name, _choice(sign)) for sign in subleg.inverse_signs),
+            "assembly mode": tuple((sign.name, _choice(sign)) for sign in subleg.forward_signs),
             "actuators": tuple((joint.name, joint.doc) for joint in subleg.actuators),
             "passive": tuple((joint.name, joint.doc) for joint in subleg.passive_joints),
             "redundant": ((platform.redundant_joint.name, platform.redundant_joint.doc),),
@@ -74,6 +79,14 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
             "sections": (("sub-leg", subleg.section), ("platform", platform.section), ("robot", entry.thesis)),
         },
     )
+
+
+def _fields(entry: Entry) -> tuple[GeometryField, ...]:
+    return (*entry.robot.subleg.geometry().fields, *entry.robot.platform.geometry().fields)
+
+
+def _choice(sign: Sign) -> str:
+    return f"{sign.plus} (+1) or {sign.minus} (-1): {sign.doc}"
 
 
 def _signs(modes: Iterable[Mode], label: str) -> tuple[float, ...]:

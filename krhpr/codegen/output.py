@@ -1,4 +1,8 @@
-"""Files against a folder: what would change and why, and writing that leaves old files whole when it is interrupted."""
+"""Files against a folder: what would change and why, and writing that leaves old files whole when it is interrupted.
+
+A generated file says of itself that it is one (`MARK`).  Files of a folder that do not are somebody's own: they are
+reported, and never removed.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +11,20 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import zip_longest
 from pathlib import Path
 
 from krhpr.codegen.targets.base import File
 
+MARK = "by `krhpr generate`"
+"""What every generated file says near its top."""
+
 IGNORED = ("__pycache__",)
+STAGE_PREFIX = ".krhpr-stage-"
+_MARK_WITHIN = 4096  # bytes from the top
 
 
 class Difference(StrEnum):
@@ -22,11 +33,12 @@ class Difference(StrEnum):
     NEW = "missing"
     CHANGED = "changed"
     ORPHAN = "orphan"
+    FOREIGN = "foreign"
 
 
 @dataclass(frozen=True)
 class Change:
-    """One file that would change, and the first lines that differ."""
+    """One file that would change, and why: the first lines that differ."""
 
     path: str
     difference: Difference
@@ -34,7 +46,7 @@ class Change:
 
 
 def compare(files: Sequence[File], folder: Path) -> list[Change]:
-    """What writing `files` to `folder` would change."""
+    """What stands between `folder` and holding exactly `files`."""
     changes = []
     for file in files:
         place = folder / file.path
@@ -46,34 +58,68 @@ def compare(files: Sequence[File], folder: Path) -> list[Change]:
             changes.append(Change(file.path, Difference.CHANGED, _first_difference(old, file)))
     wanted = {file.path for file in files}
     for path in _present(folder):
-        if path not in wanted:
-            changes.append(Change(path, Difference.ORPHAN, "nothing generates this file"))
+        if path in wanted:
+            continue
+        if is_generated(folder / path):
+            changes.append(Change(path, Difference.ORPHAN, "nothing generates this file any more"))
+        else:
+            changes.append(
+                Change(path, Difference.FOREIGN, "nothing generates this file, and it is left alone: move it elsewhere")
+            )
     return changes
 
 
-def write(files: Sequence[File], folder: Path, changes: Iterable[Change] | None = None) -> list[Change]:
-    """Make `folder` hold exactly `files`; returns what changed.
+def is_generated(path: Path) -> bool:
+    """Whether a file says of itself that it was generated."""
+    try:
+        with path.open("rb") as content:
+            return MARK.encode() in content.read(_MARK_WITHIN)
+    except OSError:  # a link to nothing
+        return False
 
-    Everything is first written beside the folder, then moved into place file by file; where that is interrupted by an
-    exception, the files moved so far are put back.
+
+def write(files: Sequence[File], folder: Path, changes: Iterable[Change] | None = None) -> list[Change]:
+    """Make `folder` hold `files` and no other generated ones; returns what changed.
+
+    Everything is first written to a folder inside (the same file system), then moved into place file by file; where
+    that is interrupted by an exception, the files moved so far are put back.
     """
-    todo = list(compare(files, folder) if changes is None else changes)
+    found = compare(files, folder) if changes is None else changes
+    todo = [change for change in found if change.difference is not Difference.FOREIGN]
     if not todo:
         return []
-    folder.mkdir(parents=True, exist_ok=True)
     texts = {file.path: file.text for file in files}
-    stage = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    made = _make_folder(folder)
     try:
-        for change in todo:
-            if change.difference is not Difference.ORPHAN:
-                place = stage / "new" / change.path
-                place.parent.mkdir(parents=True, exist_ok=True)
-                place.write_bytes(texts[change.path].encode())
-        _move(todo, folder, stage)
+        stage = Path(tempfile.mkdtemp(prefix=STAGE_PREFIX, dir=folder))
+        try:
+            for change in todo:
+                if change.difference is not Difference.ORPHAN:
+                    place = stage / "new" / change.path
+                    place.parent.mkdir(parents=True, exist_ok=True)
+                    place.write_bytes(texts[change.path].encode())
+            _move(todo, folder, stage)
+        finally:
+            shutil.rmtree(stage, ignore_errors=True)
     finally:
-        shutil.rmtree(stage, ignore_errors=True)
-    _remove_empty(folder)
+        _remove_empty((change.path for change in todo), folder)
+        _remove_made(made)
     return todo
+
+
+def _make_folder(folder: Path) -> list[Path]:
+    """Make the folder; returns those of its path that were not there, the innermost first."""
+    made = [place for place in (folder, *folder.parents) if not place.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return made
+
+
+def _remove_made(made: Iterable[Path]) -> None:
+    """Where nothing came to be written, folders made for it go again."""
+    for folder in made:
+        if any(folder.iterdir()):
+            break
+        folder.rmdir()
 
 
 def _move(todo: Sequence[Change], folder: Path, stage: Path) -> None:
@@ -103,26 +149,30 @@ def _move(todo: Sequence[Change], folder: Path, stage: Path) -> None:
 def _present(folder: Path) -> list[str]:
     if not folder.is_dir():
         return []
-    return sorted(
-        path.relative_to(folder).as_posix()
-        for path in folder.rglob("*")
-        if path.is_file() and not any(part in IGNORED for part in path.relative_to(folder).parts)
-    )
+    found = []
+    for place, below, names in os.walk(folder):
+        below[:] = [name for name in below if name not in IGNORED and not name.startswith(STAGE_PREFIX)]
+        found += [Path(place, name).relative_to(folder).as_posix() for name in names]
+    return sorted(found)
 
 
 def _first_difference(old: bytes, file: File) -> str:
-    before = old.decode(errors="replace").splitlines()
-    lines = [
-        line
-        for line in difflib.unified_diff(before, file.text.splitlines(), "in the folder", "generated", lineterm="", n=0)
-        if not line.startswith(("---", "+++"))
-    ]
+    before, after = old.decode(errors="replace").splitlines(), file.text.splitlines()
+    if before == after:
+        return "only the ends of its lines, or of the file, differ"
+    diff = difflib.unified_diff(before, after, "in the folder", "generated", lineterm="", n=0)
+    lines = [line for line in diff if not line.startswith(("---", "+++"))]
     changed = sum(line.startswith(("+", "-")) for line in lines)
-    shown = "\n    ".join(line[:140] for line in lines[:5]) or "only the end of the file"
-    return f"{changed} lines differ, first:\n    {shown}"
+    number = next(n for n, (a, b) in enumerate(zip_longest(before, after), 1) if a != b)
+    shown = "\n    ".join(line[:140] for line in lines[:5])
+    return f"{changed} lines differ, the first is line {number} (- in the folder, + generated):\n    {shown}"
 
 
-def _remove_empty(folder: Path) -> None:
-    for path in sorted(folder.rglob("*"), reverse=True):
-        if path.is_dir() and path.name not in IGNORED and not any(path.iterdir()):
-            path.rmdir()
+def _remove_empty(paths: Iterable[str], folder: Path) -> None:
+    """Remove the folders that held these files, where they are empty now."""
+    for path in paths:
+        with suppress(OSError):  # not empty, or gone already
+            for place in (folder / path).parents:
+                if place == folder:
+                    break
+                place.rmdir()

@@ -70,5 +70,6 @@ def _operations(robots: Sequence[RobotCode], parts: Iterable[Part]) -> str:
                     "total": count.total,
                     **count.as_dict(),
                 }
-    about = f"Operations of one call.  written: in the formulas as derived; leg kernels count {LEGS} times in a function."
+    about = "Written by `krhpr generate`; do not edit.  Operations of one call.  "
+    about += f"written: in the formulas as derived; leg kernels count {LEGS} times in a function."
     return json.dumps({"about": about, "kernels": kernels, "functions": functions}, indent=1) + "\n"

@@ -6,7 +6,7 @@ address = function_address(library, "f_batch")
 y, status = f(x, A)
 """
 
-from krhpr.native.adapter import function_address, load_library, make_gufunc
+from krhpr.native.adapter import extension_path, function_address, load_library, make_gufunc
 from krhpr.native.cache import cache_folder
 from krhpr.native.compiler import (
     SPEED_FLAGS,
@@ -24,6 +24,7 @@ __all__ = [
     "NoCompiler",
     "cache_folder",
     "compile_library",
+    "extension_path",
     "find_compiler",
     "function_address",
     "load_library",

@@ -8,7 +8,7 @@ Numbers follow the C types: a `double` holds a number of the chosen arithmetic, 
 with C's rules (truncating division; overflow of signed types raises).  A floating literal stands for the
 decimal number that it shows, not for the nearest double.  `Unsupported` names the line of anything outside
 the subset: declarations, `for`, `if`, `return`, `break`, `continue`, expressions, calls, structs,
-enumerations, object-like macros and the math functions in `MATH_FUNCTIONS`.
+enumerations, macros and the math functions in `MATH_FUNCTIONS`.
 """
 
 from __future__ import annotations
@@ -404,13 +404,22 @@ def _strip_comment(match: re.Match[str]) -> str:
     return " " + "\n" * text.count("\n") if text.startswith("/") else text
 
 
+@dataclass(frozen=True)
+class _FunctionMacro:
+    """A macro with parameters, `#define KRHPR_PADDED(n) ...`; its calls stand on one line."""
+
+    parameters: tuple[str, ...]
+    body: str
+
+
 class _Preprocessor:
-    """Comments, conditionals and object-like macros; `#include` is dropped, all files being given at once."""
+    """Comments, conditionals and macros; `#include` is dropped, all files being given at once."""
 
     def __init__(self, builtin: Iterable[str]) -> None:
         self.builtin = frozenset(builtin)
-        self.macros: dict[str, str] = {"__restrict": "restrict", "__restrict__": "restrict"}
+        self.macros: dict[str, str | _FunctionMacro] = {"__restrict": "restrict", "__restrict__": "restrict"}
         self.macros |= {"__inline": "inline", "__inline__": "inline", "__STDC_VERSION__": "199901L"}
+        self.macros |= {"_Pragma": _FunctionMacro(("text",), "")}
 
     def process(self, text: str, name: str) -> str:
         """The text without directives, each line in its place."""
@@ -433,13 +442,29 @@ class _Preprocessor:
     def expand(self, text: str, hidden: frozenset[str] = frozenset()) -> str:
         """The text with its macros replaced."""
 
-        def replacement(match: re.Match[str]) -> str:
+        output, position = [], 0
+        while match := _IDENTIFIER.search(text, position):
+            output.append(text[position : match.start()])
+            position = match.end()
             word = match.group()
-            if word in hidden or word not in self.macros:
-                return word
-            return self.expand(self.macros[word], hidden | {word})
-
-        return _IDENTIFIER.sub(replacement, text)
+            macro = None if word in hidden else self.macros.get(word)
+            if isinstance(macro, _FunctionMacro):
+                arguments, end = _macro_arguments(text, position)
+                if arguments is None:
+                    output.append(word)
+                    continue
+                if len(arguments) != len(macro.parameters):
+                    raise Unsupported(f"{word} takes {len(macro.parameters)} arguments: {text.strip()}")
+                given = {
+                    name: self.expand(argument, hidden)
+                    for name, argument in zip(macro.parameters, arguments, strict=True)
+                }
+                body = _IDENTIFIER.sub(lambda found, given=given: given.get(found.group(), found.group()), macro.body)
+                output.append(self.expand(body, hidden | {word}))
+                position = end
+            else:
+                output.append(word if macro is None else self.expand(macro, hidden | {word}))
+        return "".join([*output, text[position:]])
 
     def _directive(self, name: str, rest: str, conditions: list[tuple[bool, bool]], where: str) -> None:
         active = all(read for read, _ in conditions)
@@ -465,11 +490,15 @@ class _Preprocessor:
 
     def _simple_directive(self, name: str, rest: str, where: str) -> None:
         if name == "define":
-            definition = re.match(r"([A-Za-z_]\w*)(\(?)(.*)", rest)
-            if definition is None or definition[2]:
-                raise Unsupported(f"{where}: the macro {rest!r} is not an object-like one")
+            definition = re.match(r"([A-Za-z_]\w*)(?:\(([\w\s,]*)\))?(.*)", rest)
+            if definition is None or definition[3].startswith("(") or (definition[2] is not None and "#" in rest):
+                raise Unsupported(f"{where}: the macro {rest!r}")
+            macro: str | _FunctionMacro = definition[3].strip()
+            if definition[2] is not None:
+                parameters = tuple(part.strip() for part in definition[2].split(",") if part.strip())
+                macro = _FunctionMacro(parameters, definition[3].strip())
             if definition[1] not in self.builtin:
-                self.macros[definition[1]] = definition[3].strip()
+                self.macros[definition[1]] = macro
         elif name == "undef":
             self.macros.pop(rest, None)
         elif name not in ("include", "pragma", ""):
@@ -489,6 +518,22 @@ class _Preprocessor:
         except c_parser.ParseError as error:
             raise Unsupported(f"{where}: #if {condition}") from error
         return _integer_constant(declaration.init, {}) != 0
+
+
+def _macro_arguments(text: str, position: int) -> tuple[list[str] | None, int]:
+    """The arguments in parentheses that follow, and where they end; None where there are none."""
+    start = re.compile(r"\s*\(").match(text, position)
+    if start is None:
+        return None, position
+    arguments, depth, begin = [], 1, start.end()
+    for index in range(begin, len(text)):
+        depth += (text[index] == "(") - (text[index] == ")")
+        if depth == 0 or (depth == 1 and text[index] == ","):
+            arguments.append(text[begin:index].strip())
+            begin = index + 1
+        if depth == 0:
+            return [] if arguments == [""] else arguments, index + 1
+    raise Unsupported(f"the arguments of a macro go on beyond the line: {text.strip()}")
 
 
 def _join_continued(match: re.Match[str]) -> str:
@@ -1290,7 +1335,19 @@ class _Compiler:
         else:
             ctype = b if a == NULL_POINTER else a
         get_a, get_b = self.converted(then, ctype, node), self.converted(other, ctype, node)
-        return Expression(ctype, lambda frame: get_a(frame) if condition(frame) else get_b(frame))
+
+        def choose(frame: Frame) -> Any:
+            try:
+                holds = condition(frame)
+            except numbers.Undecidable:
+                # equal values, as of the larger of two equal balls: whichever it is, the hull encloses it
+                x, y = get_a(frame), get_b(frame)
+                if not (isinstance(x, numbers.Ball) and isinstance(y, numbers.Ball)):
+                    raise
+                return x.hull(y)
+            return get_a(frame) if holds else get_b(frame)
+
+        return Expression(ctype, choose)
 
     def _cast(self, node: Any) -> Expression:
         ctype, value = self.types.resolve(node.to_type), self.expression(node.expr)

@@ -347,10 +347,12 @@ class Angle:
     def __pos__(self) -> Angle:
         return self
 
-    def __mul__(self, other: object) -> Angle:
+    def __mul__(self, other: object) -> Angle | Exact:
         number = None if isinstance(other, Angle | Ball) else _rational(other)
         if number is None or number.q != 1:
             _refuse("multiplied by", other)
+        if number == 0 and isinstance(other, float | Exact):
+            return Exact(0)  # 0.0 times anything finite is the number zero: how generated code tests for NaN
         count = int(number.p)
         power, result = (self if count >= 0 else -self), Angle.zero()
         count = abs(count)
@@ -571,6 +573,10 @@ class Ball:
     def overlaps(self, other: object) -> bool:
         """Whether the two enclosures have a number in common."""
         return bool(self._value.overlaps(_ball(other)._value))
+
+    def hull(self, other: object) -> Ball:
+        """The smallest ball around both."""
+        return Ball._of(self._value.union(_ball(other)._value))
 
     def close(self, other: object, tolerance: object = DEFAULT_TOLERANCE) -> bool:
         """Whether the two numbers differ by `tolerance` at most; raises where the enclosures leave it open.

@@ -72,6 +72,7 @@ class ExactNamespace:
             **{name: _test(name) for name in ("isfinite", "isnan")},
             **{name: self._maker(name, position) for name, position in _MAKERS.items()},
             "where": self._where,
+            "result_type": _result_type,
         }
 
     def __getattr__(self, name: str) -> Any:
@@ -109,6 +110,12 @@ class ExactNamespace:
         if array.dtype.kind == "O" and all(self._arithmetic.lift(item) is item for item in array.flat):
             return array
         return as_object_array(array, self._arithmetic)
+
+
+def _result_type(*operands: Any) -> Any:
+    """NumPy's `result_type`, which takes a number that it does not know for the name of a type."""
+    known = (np.ndarray, np.generic, np.dtype, type, str, int, float, complex)
+    return np.result_type(*(item if isinstance(item, known) else object for item in operands))
 
 
 def _is_float(dtype: Any) -> bool:

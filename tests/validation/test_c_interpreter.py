@@ -567,7 +567,10 @@ def test_what_is_unsupported_is_said_with_its_line(body: str, message: str) -> N
     "text",
     [
         "double counter = 0;",
-        "#define SQUARE(x) ((x)*(x))",
+        "#define TEXT(x) #x",
+        "#define ALL(...) f(__VA_ARGS__)",
+        "#define SQUARE(x) ((x)*(x))\nint n[SQUARE(1, 2)];",
+        "#define SQUARE(x) ((x)*(x))\nint n[SQUARE(1",
         "#error no",
         "double f( { }",
         "union u { int i; };",
@@ -612,6 +615,36 @@ def test_the_preprocessor() -> None:
     assert program.enumerators == {"TWO": 2, "SIX": 6, "SEVEN": 7}
     # FOUR speaks of TWO when it is used: by then, the enumerator.
     assert program.call("f") == 10 + 1 + 4 + 7 + 2
+
+
+def test_macros_with_parameters() -> None:
+    text = """
+    #define LANES 4
+    #define PADDED(n) (((n) + LANES - 1) / LANES * LANES)
+    #define SUM(a, b) ((a) + (b))
+    #define NOTHING() 7
+    #define PADDED_SUM(a, b) PADDED(SUM(a, b))
+    int PADDED_length(void)
+    {
+        int PADDED = 1;
+        double x[PADDED(5)];
+        _Pragma("GCC unroll 1")
+        for (int i = 0; i < PADDED(SUM(1, (2, 3))); ++i) {
+            x[i] = 1.0;
+        }
+        x[0] = 2.0;
+        return PADDED_SUM(4, 5) + PADDED + NOTHING();
+    }
+    """
+    assert CProgram.from_text(text).call("PADDED_length") == 12 + 1 + 7
+
+
+def test_a_choice_between_equal_balls_encloses_both() -> None:
+    program = CProgram.from_text("double larger(double a, double b) { return a > b ? a : b; }", BALL)
+    with ball_precision():
+        root = Ball(2).sqrt()
+        assert program.call("larger", root, Ball(8).sqrt() / 2).close(root)
+        assert program.call("larger", root, Ball(1)).close(root)
 
 
 def test_macros_can_be_defined_beforehand() -> None:

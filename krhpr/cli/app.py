@@ -1,0 +1,147 @@
+"""The parser of the command line, and what becomes of errors: short messages and exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from krhpr import __version__
+from krhpr.cli import compile_command, eval_command, generate, info, list_command, validate
+from krhpr.cli.common import Command, Exit, WrongUse, first_words
+from krhpr.errors import InvalidInput, KrhprError, UnknownBranch, UnknownRobot
+
+COMMANDS: tuple[Command, ...] = (
+    list_command.COMMAND,
+    info.COMMAND,
+    eval_command.COMMAND,
+    generate.COMMAND,
+    compile_command.COMMAND,
+    validate.COMMAND,
+)
+
+DESCRIPTION = """\
+Kinematics and statics of kinematically redundant parallel robots: look robots up, compute with them, and generate
+their code (C, NumPy, CasADi) from the derivation."""
+
+EPILOG = """\
+examples:
+  krhpr list                                    the robots and their working modes
+  krhpr info spatial_rrr_a                      joints, geometry and functions of one
+  krhpr info spatial_rrr_a --function inverse   arguments and results of one function
+  krhpr eval spatial_rrr_a inverse --input poses.json
+  krhpr generate --check                        what `krhpr generate` would change, and why
+  krhpr generate spatial_rrr_a --out arm        one robot's code in a folder that stands alone
+
+exit codes:
+  0    success
+  1    failure: the message says of what; --debug shows where
+  2    wrong use: an unknown robot, function or option, or input that cannot be read
+  3    a difference found (generate --check), or a check failed (validate)
+  130  interrupted; files are as they were
+
+environment:
+  KRHPR_BACKEND  compiled, numpy, or auto (the default: compiled kernels where there is a compiler)
+  KRHPR_CC       the C compiler to use, or `none`
+  KRHPR_CACHE    the folder of compiled kernels"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    with _short_warnings():
+        try:
+            code = int(options.command.run(options))
+            sys.stdout.flush()
+            return code
+        except KeyboardInterrupt:
+            _say("interrupted")
+            return Exit.INTERRUPTED
+        except BrokenPipeError:
+            # who reads the output has enough of it; nothing more can be written, not even on leaving
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return Exit.FAILED
+        except Exception as error:
+            if options.debug:
+                traceback.print_exc()
+            message, code = _explain(error)
+            _say(message)
+            if code is Exit.FAILED and not options.debug and not isinstance(error, KrhprError):
+                _say("--debug shows where")
+            return code
+
+
+def _explain(error: Exception) -> tuple[str, Exit]:
+    """The message and the exit code for an error."""
+    if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput)):
+        return str(error), Exit.WRONG_USE
+    if isinstance(error, KrhprError):
+        return str(error), Exit.FAILED
+    if isinstance(error, ModuleNotFoundError) and error.name:
+        package = error.name.partition(".")[0]
+        extra = next((extra for extra, names in _EXTRAS.items() if package in names), None)
+        if extra:
+            return f"{package} is not installed: pip install 'krhpr[{extra}]'", Exit.FAILED
+    if isinstance(error, OSError) and error.strerror:
+        place = f"{error.filename}: " if error.filename is not None else ""
+        return f"{place}{error.strerror}", Exit.FAILED
+    return f"{type(error).__name__}: {error}", Exit.FAILED
+
+
+_EXTRAS = {
+    "generate": ("sympy", "jinja2", "rich"),
+    "validate": ("flint", "pycparser", "mpmath", "casadi"),
+}
+
+
+def _parser() -> argparse.ArgumentParser:
+    # --debug is understood before and after the command
+    debug = argparse.ArgumentParser(add_help=False)
+    debug.add_argument(
+        "--debug", action="store_true", default=argparse.SUPPRESS, help="show the traceback of a failure"
+    )
+    parser = argparse.ArgumentParser(
+        prog="krhpr",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        parents=[debug],
+        allow_abbrev=False,
+    )
+    parser.set_defaults(debug=False)
+    parser.add_argument("--version", action="version", version=f"krhpr {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        below = commands.add_parser(
+            command.name,
+            help=first_words(command.description),
+            description=command.description,
+            epilog=command.epilog,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            parents=[debug],
+            allow_abbrev=False,
+        )
+        command.add_arguments(below)
+        below.set_defaults(command=command)
+    return parser
+
+
+def _say(message: str) -> None:
+    print(f"krhpr: {message}", file=sys.stderr)
+
+
+@contextmanager
+def _short_warnings() -> Iterator[None]:
+    """Warnings as one line, without the place in the source."""
+
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        _say(f"warning: {message}")
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield

@@ -1,0 +1,226 @@
+"""`krhpr info ROBOT`: what a robot is, and what each of its functions takes and gives."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import sys
+import textwrap
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
+
+import krhpr
+from krhpr.cli.common import Command, Exit, WrongUse
+
+if TYPE_CHECKING:
+    from krhpr.generated.python.runtime import Port, Signature
+    from krhpr.robot import Robot
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The command's arguments."""
+    parser.add_argument("robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it")
+    parser.add_argument("--function", metavar="NAME", help="everything about one function")
+    parser.add_argument("--json", action="store_true", help="print an object")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print what a robot, or one of its functions, is."""
+    robot = krhpr.load(options.robot, backend="numpy")
+    if options.function is None:
+        print(json.dumps(robot_facts(robot), indent=1) if options.json else _robot_text(robot))
+        return Exit.OK
+    signature = find_signature(robot, options.function)
+    print(json.dumps(function_facts(signature), indent=1) if options.json else _function_text(robot, signature))
+    return Exit.OK
+
+
+def find_signature(robot: Robot, function: str) -> Signature:
+    """A function's signature; a wrong name gives the nearest ones."""
+    if function not in robot.functions:
+        near = get_close_matches(function, robot.functions, n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"it has {', '.join(robot.functions)}"
+        raise WrongUse(f"{robot.identifier} has no function {function!r}; {hint}")
+    return robot.signature(function)
+
+
+# -- as data ----------------------------------------------------------------------------------------------------------
+
+
+def robot_facts(robot: Robot) -> dict[str, Any]:
+    """A robot as JSON values."""
+    about = {topic: dict(rows) for topic, rows in robot.documentation.items()}
+    return {
+        "robot": robot.identifier,
+        "notation": robot.notation,
+        "title": robot.title,
+        "thesis": about["sections"],
+        "actuators": about["actuators"],
+        "redundant_coordinate": about["redundant"],
+        "passive_joints": passive_joints(robot),
+        "working_modes": {"labels": robot.modes, "default": robot.default_mode, "choices": about["working mode"]},
+        "assembly_modes": {"labels": robot.assemblies, "choices": about["assembly mode"]},
+        "geometry": [
+            {"field": name, "unit": about["units"][name], "meaning": meaning, "default": getattr(robot.geometry, name).tolist()}
+            for name, meaning in about["geometry"].items()
+        ],
+        "singular_factors": about["singular factors"],
+        "type_2": about["type II"],
+        "functions": [function_facts(robot.signature(name)) for name in robot.functions],
+    }
+
+
+def passive_joints(robot: Robot) -> dict[str, str]:
+    """Every passive joint with its meaning, from the base to the platform."""
+    if "passive_joints" not in robot.functions:
+        return dict(robot.documentation["passive"])
+    return {port.name: port.doc for port in robot.signature("passive_joints").outputs}
+
+
+def function_facts(signature: Signature) -> dict[str, Any]:
+    """A function as JSON values."""
+    return {
+        "function": signature.name,
+        "meaning": signature.doc,
+        "thesis": signature.equations,
+        "arguments": [_port_facts(port) for port in signature.inputs],
+        "results": [_port_facts(port) for port in signature.outputs],
+        "gufunc": signature.gufunc,
+    }
+
+
+def _port_facts(port: Port) -> dict[str, Any]:
+    return {
+        "name": port.name,
+        "shape": port.shape,
+        "unit": port.unit,
+        "frame": port.frame,
+        "meaning": port.doc,
+        "labels": port.labels,
+    }
+
+
+# -- as text ----------------------------------------------------------------------------------------------------------
+
+
+def _robot_text(robot: Robot) -> str:
+    facts = robot_facts(robot)
+    sections = "; ".join(f"{what} {section}" for what, section in facts["thesis"].items() if section)
+    lines = [f"{robot.identifier}  {robot.notation}", f"{robot.title} (thesis: {sections})"]
+    lines += _section("Actuated joints of a leg, with their zeros", facts["actuators"].items())
+    lines += _section("Redundant coordinate of a leg", facts["redundant_coordinate"].items())
+    lines += _section("Passive joints", facts["passive_joints"].items())
+    lines += _section("Geometry (for each leg; `with_geometry` and `--geometry` change it)", _geometry_rows(facts["geometry"]))
+    modes = facts["working_modes"]
+    lines += _section("Working modes of a leg (* is the default)", modes["choices"].items())
+    lines += _wrapped("  ".join(label + "*" * (label == modes["default"]) for label in modes["labels"]), "  ")
+    if robot.assemblies:
+        lines += _section("Assembly modes of a leg's closed loop", facts["assembly_modes"]["choices"].items())
+        lines += _wrapped("  ".join(robot.assemblies), "  ")
+    lines += _section("Factors of det M_i, zero in a type I singularity", facts["singular_factors"].items())
+    lines += _section("Factors of det J, zero in a type II singularity", facts["type_2"].items())
+    rows = [
+        (f"{function['function']}", f"{_call_text(robot.signature(function['function']))}")
+        for function in facts["functions"]
+    ]
+    lines += _section(f"Functions (krhpr info {robot.identifier} --function NAME)", rows)
+    return "\n".join(lines)
+
+
+def _geometry_rows(fields: Iterable[dict[str, Any]]) -> list[tuple[str, str]]:
+    rows = []
+    for field in fields:
+        values = field["default"]
+        alike = all(value == values[0] for value in values)
+        shown = f"{values[0]:.6g}" if alike else "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
+        rows.append((f"{field['field']} = {shown} {field['unit']}", field["meaning"]))
+    return rows
+
+
+def _function_text(robot: Robot, signature: Signature) -> str:
+    lines = [f"robot.{signature.name}: {_call_text(signature)}", *_wrapped(signature.doc, "")]
+    if signature.equations:
+        lines.append(f"Thesis: {signature.equations}.")
+    lines += _section("Arguments", [(_port_head(port), _port_tail(port)) for port in signature.inputs])
+    lines += _section("Results", [(_port_head(port), _port_tail(port)) for port in signature.outputs])
+    choices = [
+        (port.name, ", ".join(labels))
+        for port, labels in ((port, {"mode": robot.modes, "assembly": robot.assemblies}.get(port.name)) for port in signature.inputs)
+        if labels
+    ]
+    if choices:
+        lines += _section("Labels that may stand for signs", choices)
+    columns = " ".join(name for port in signature.inputs for name in _some_columns(port))
+    places = [
+        ("Python", f"krhpr.load({robot.identifier!r}).{_method(signature.name)}"),
+        ("C", f"krhpr_{robot.identifier}_{signature.name} and ..._batch in krhpr_{robot.identifier}.h"),
+        ("command line", f"krhpr eval {robot.identifier} {signature.name}"),
+        ("columns", columns),
+    ]
+    lines += _section("Where", places)
+    return "\n".join(lines)
+
+
+def _method(function: str) -> str:
+    return "inverse(..., near=theta_near)" if function == "inverse_near" else f"{function}(...)"
+
+
+def _some_columns(port: Port) -> list[str]:
+    from krhpr.cli.columns import column_names
+
+    names = column_names(port)
+    return names if len(names) < 4 else [names[0], "...", names[-1]]
+
+
+def _call_text(signature: Signature) -> str:
+    inputs = ", ".join(port.name for port in signature.inputs)
+    return f"{inputs} -> {', '.join(port.name for port in signature.outputs)}"
+
+
+def _port_head(port: Port) -> str:
+    shape = ", ".join(["...", *map(str, port.shape)])
+    return f"{port.name} ({shape})"
+
+
+def _port_tail(port: Port) -> str:
+    facts = [fact for fact in (port.unit if port.unit != "1" else "", f"{port.frame} frame" if port.frame != "-" else "") if fact]
+    text = port.doc + (f" ({', '.join(facts)})" if facts else "")
+    return text + (f" [{', '.join(port.labels)}]" if port.labels else "")
+
+
+def _section(title: str, rows: Iterable[tuple[str, str]]) -> list[str]:
+    rows = list(rows)
+    if not rows:
+        return []
+    width = min(max(len(name) for name, _ in rows), 34)
+    lines = ["", title]
+    for name, text in rows:
+        lines += _wrapped(text, " " * (width + 4), f"  {name.ljust(width)}  ")
+    return lines
+
+
+def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
+    width = min(shutil.get_terminal_size().columns, 110) if sys.stdout.isatty() else 110
+    start = indent if first is None else first
+    return textwrap.wrap(
+        text or "-",
+        max(width, len(indent) + 30),
+        initial_indent=start,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+
+
+COMMAND = Command(
+    "info",
+    "Show what a robot is: its joints and their zeros, geometry, modes, singularities and functions.",
+    "examples:\n  krhpr info spatial_rrr_a\n  krhpr info spatial_rrr_a --function inverse\n"
+    "  krhpr info spatial_rrr_a --json",
+    add_arguments,
+    run,
+)

@@ -1,0 +1,208 @@
+"""Identity: optimised kernels and printed texts equal the derivation, on numbers without rounding.
+
+Every length and angle of every leg is random, and so are the arguments.  Functions of rational operations, sines and
+cosines are compared without tolerance; those with roots or arctangents in ball arithmetic, at reachable configurations,
+in every working and assembly mode.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+from krhpr.codegen.composition import RobotFunction
+from krhpr.codegen.evaluate import Arithmetic, evaluate_kernel, prepare_geometry
+from krhpr.codegen.kernel import LEGS, Port
+from krhpr.validation.arithmetic import BALLS, RATIONAL
+from krhpr.validation.draw import Draw
+from krhpr.validation.numbers import BALL, EXACT, Ball, Exact, ball_precision
+from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.plan import Check, Kind, Target, has_roots, needs_balls
+from krhpr.validation.printed import RUNNERS, c_program
+from krhpr.validation.sampling import Batch, draw
+from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
+
+TURN = Fraction("6.283185307179586")
+"""A full turn as the texts have it."""
+
+
+# -- kernels ----------------------------------------------------------------------------------------------------------
+
+
+def optimised(subject: Subject, check: Check, count: int) -> Measured:
+    """A kernel after all passes against the kernel as derived, its prepared geometry included."""
+    part_name, name = check.function.split(".")
+    part = subject.code.parts[part_name]
+    kernel, derived = part.kernel(name), subject.derived(part_name, name)
+    roots = has_roots(derived)
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for index in range(count):
+            if roots:
+                geometry, inputs = _reachable(subject, check.seed + index, derived.inputs, source)
+            else:
+                geometry = source.geometry(*([part.geometry] if part.geometry else []))
+                inputs = {port.name: source.port(port, subject.code.angular, full=False) for port in derived.inputs}
+            arithmetic = BALLS if roots else RATIONAL
+            results = []
+            for version, kind in ((derived, subject.geometry_types.get(part_name)), (kernel, part.geometry)):
+                prepared = None
+                if kind is not None:
+                    fields = {field.name: geometry[field.name][0] for field in kind.fields}
+                    prepared = prepare_geometry(kind, fields, arithmetic)
+                results.append(evaluate_kernel(version, inputs, prepared, arithmetic))
+            found.samples += 1
+            for port in derived.outputs:
+                found.equal(results[1][port.name], results[0][port.name], port.name)
+    return found
+
+
+def _reachable(
+    subject: Subject, seed: int, ports: tuple[Port, ...], source: Draw
+) -> tuple[dict[str, list[Any]], dict[str, list[Any]]]:
+    """Balls for a kernel with roots: the first leg of a consistent configuration, anything for what it lacks."""
+    batch = draw(subject, seed, 1, spread=0.1)
+    inputs: dict[str, list[Any]] = {}
+    for port in ports:
+        value = batch.values.get(port.name)
+        if value is None:
+            inputs[port.name] = [Ball(source.nonzero()) for _ in range(port.size)]
+            continue
+        numbers = (value[0][0] if port.per_leg else value[0]).ravel().tolist()
+        inputs[port.name] = [Ball(number) for number in numbers]
+    if any(port.name == "Q" for port in ports) and subject.planar:
+        inputs["Q"] = [Ball(value) for value in source.rotation(2)]
+    return _balls(batch.geometry), inputs
+
+
+# -- printed texts ----------------------------------------------------------------------------------------------------
+
+
+def printed_text(subject: Subject, check: Check, count: int) -> Measured:
+    """A function of a printed text against the derivation."""
+    function = subject.code.function(check.function)
+    balls = needs_balls(subject.code, function)
+    run = RUNNERS[check.target]
+    found = Measured(check)
+    with ball_precision():
+        cases = _cases_in_balls(subject, check, function, count) if balls else _rational_cases(subject, check, function, count)
+        for inputs, geometry in cases:
+            numbers = BALL if balls else EXACT
+            wanted = derivation(subject, function, inputs, geometry, BALLS if balls else RATIONAL)
+            got = run(subject, function, inputs, geometry, numbers)
+            found.samples += 1
+            for port in function.outputs:
+                found.equal(got[port.name], wanted[port.name], port.name)
+    return found
+
+
+def _rational_cases(
+    subject: Subject, check: Check, function: RobotFunction, count: int
+) -> Iterator[tuple[Inputs, Fields]]:
+    source = Draw(check.seed)
+    for _ in range(count):
+        yield source.inputs(subject.code, function), source.geometry(*subject.geometry_types.values())
+
+
+def _cases_in_balls(
+    subject: Subject, check: Check, function: RobotFunction, count: int
+) -> Iterator[tuple[Inputs, Fields]]:
+    """Reachable configurations, each in every working (or assembly) mode: leg i in the mode i places further."""
+    names = {port.name for port in function.inputs}
+    modes = subject.code.mode_signs if "mode" in names else ((),)
+    assemblies = subject.code.assembly_signs if "assembly" in names else ((),)
+    for index in range(count):
+        batch = draw(subject, check.seed + index, 1, spread=0.1)
+        geometry = _balls(batch.geometry)
+        for choice in range(max(len(modes), len(assemblies))):
+            inputs = in_balls(batch, function, 0)
+            for name, signs in (("mode", modes), ("assembly", assemblies)):
+                if name in names:
+                    inputs[name] = [Ball(s) for leg in range(LEGS) for s in signs[(choice + leg) % len(signs)]]
+            yield inputs, geometry
+
+
+def in_balls(batch: Batch, function: RobotFunction, index: int) -> dict[str, list[Any]]:
+    """The arguments of one configuration, each double by its exact value."""
+    return {name: [Ball(value) for value in values] for name, values in batch.element(function, index).items()}
+
+
+def _balls(geometry: Fields) -> dict[str, list[Any]]:
+    return {name: [Ball(value) for value in values] for name, values in geometry.items()}
+
+
+def derivation(
+    subject: Subject, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A function by the derivation; procedures by their definition."""
+    if function.calls:
+        return subject.function(function, inputs, geometry, arithmetic)
+    return {"theta": nearest_mode(subject, inputs, geometry, arithmetic)}
+
+
+def nearest_mode(subject: Subject, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> list[Any]:
+    """`inverse_near` by its definition: the nearest of all modes, each angle with the full turns that bring it near."""
+    every = subject.call("inverse_all", inputs, geometry, arithmetic)["theta"]
+    n, modes = subject.subleg.n, len(subject.code.mode_signs)
+    turn = arithmetic.constant(TURN)
+    result: list[Any] = []
+    for leg in range(LEGS):
+        wanted = inputs["theta_near"][leg * n : (leg + 1) * n]
+        candidates = []
+        for mode in range(modes):
+            start = (leg * modes + mode) * n
+            theta = every[start : start + n]
+            theta = [
+                angle + turn * ((near - angle) / turn + Fraction(1, 2)).floor() if angular else angle
+                for angle, near, angular in zip(theta, wanted, subject.code.angular, strict=True)
+            ]
+            distance = sum(((a - b) * (a - b) for a, b in zip(theta, wanted, strict=True)), arithmetic.constant(Fraction(0)))
+            candidates.append((distance, theta))
+        best = candidates[0]
+        for candidate in candidates[1:]:
+            if candidate[0] < best[0]:
+                best = candidate
+        result += best[1]
+    return result
+
+
+# -- default sizes ----------------------------------------------------------------------------------------------------
+
+
+def default_sizes(subject: Subject, check: Check, count: int) -> Measured:
+    """The default geometry of a target against the catalogue, digit by digit."""
+    found = Measured(check, samples=1)
+    wanted = [Exact(repr(subject.entry.sizes[name][leg])) for leg in range(LEGS) for name in subject.fields]
+    found.equal(_default_sizes(subject, check.target), wanted, "sizes")
+    return found
+
+
+def _default_sizes(subject: Subject, target: Target) -> list[Any]:
+    if target is Target.NUMPY:
+        return [Exact(repr(value)) for value in subject.module.DEFAULT_GEOMETRY.flat().tolist()]
+    if target is Target.CASADI:
+        return [Exact(repr(value)) for value in subject.casadi.DEFAULT_GEOMETRY]
+    # the interpreter reads each literal as the decimal number that it shows; sines of it are computed in balls
+    with ball_precision():
+        program = c_program(subject, BALL)
+        structure = program.new_struct(f"krhpr_{subject.identifier}_geometry")
+        program.call(f"krhpr_{subject.identifier}_default_geometry", structure)
+        values = []
+        for leg in range(LEGS):
+            for part, kind in subject.geometry_types.items():
+                values += [_decimal(getattr(getattr(structure, part)[leg], field.name)) for field in kind.fields]
+        return values
+
+
+def _decimal(value: Ball) -> Exact:
+    """The shortest decimal number in a narrow enclosure."""
+    return Exact(repr(float(value.enclosure.mid())))
+
+
+RUNNERS_BY_NAME: dict[tuple[Kind, str], Runner] = {
+    (Kind.PASSES, "optimised"): optimised,
+    (Kind.IDENTITY, "printed text"): printed_text,
+    (Kind.IDENTITY, "default sizes"): default_sizes,
+}

@@ -1,0 +1,184 @@
+"""The printed texts, run on exact numbers: C by the interpreter, NumPy on objects, CasADi instruction by instruction.
+
+Each function here takes a robot's function, its arguments by port (flat, row by row) and a geometry by field, and gives
+the results by port, flat and row by row, as the derivation's own evaluation does.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from fractions import Fraction
+from itertools import count
+from math import prod
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import casadi
+import numpy as np
+
+from krhpr.codegen.composition import RobotFunction
+from krhpr.codegen.kernel import LEGS, Layout, Port
+from krhpr.validation import casadi_exact
+from krhpr.validation.c_interpreter import Array, CProgram
+from krhpr.validation.numbers import Arithmetic
+from krhpr.validation.numpy_exact import exact_numpy
+from krhpr.validation.plan import Target
+from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
+
+
+class WrongStatus(AssertionError):
+    """A function said that it has no answer where there is one."""
+
+
+# -- C ----------------------------------------------------------------------------------------------------------------
+
+ELEMENTARY = {"KRHPR_LIBM": ""}
+"""The interpreter's sines and arctangents are exact; the project's own are approximations, tested by themselves."""
+
+
+_programs: dict[tuple[Path, str, str], CProgram] = {}
+
+
+def c_program(subject: Subject, arithmetic: Arithmetic) -> CProgram:
+    """The robot's C source with its headers, parsed once for each kind of number."""
+    key = (subject.folder, subject.identifier, arithmetic.name)
+    if key not in _programs:
+        # infinity is only ever compared with distances
+        constants = {"INFINITY": 10**30}
+        _programs[key] = CProgram(subject.c_sources(), arithmetic, constants, ELEMENTARY)
+    return _programs[key]
+
+
+def c_geometry(subject: Subject, geometry: Fields, program: CProgram) -> Any:
+    """The C structure, set by the printed `set_geometry`."""
+    structure = program.new_struct(f"krhpr_{subject.identifier}_geometry")
+    fields = [geometry[name][leg] for leg in range(LEGS) for name in subject.fields]
+    status = program.call(f"krhpr_{subject.identifier}_set_geometry", structure, fields)
+    if status != 0:
+        raise WrongStatus(f"set_geometry returns {status}")
+    return structure
+
+
+def run_c(
+    subject: Subject, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A function of the C text."""
+    program = c_program(subject, arithmetic)
+    arguments = [inputs[port.name] if port.full_shape else inputs[port.name][0] for port in function.inputs]
+    results = {port.name: Array.unset(prod(port.full_shape), port.name) for port in function.outputs}
+    structure = c_geometry(subject, geometry, program)
+    status = program.call(f"krhpr_{subject.identifier}_{function.name}", structure, *arguments, *results.values())
+    _expect_ok(status, function)
+    return {name: list(values) for name, values in results.items()}
+
+
+def _expect_ok(status: int, function: RobotFunction) -> None:
+    if status != 0 and function.name != "inverse_status":
+        raise WrongStatus(f"{function.name} returns the status {status}")
+
+
+# -- NumPy ------------------------------------------------------------------------------------------------------------
+
+_copies = count()
+_kept: list[ExitStack] = []
+_modules: dict[tuple[Path, str, str], ModuleType] = {}
+
+
+def numpy_module(subject: Subject, arithmetic: Arithmetic) -> ModuleType:
+    """A copy of the generated module that computes with exact numbers for as long as the process lives."""
+    key = (subject.folder, subject.identifier, arithmetic.name)
+    if key not in _modules:
+        name = f"krhpr_exact_{next(_copies)}"
+        folder = subject.folder / "python"
+        spec = importlib.util.spec_from_file_location(
+            name, folder / "__init__.py", submodule_search_locations=[str(folder)]
+        )
+        assert spec is not None and spec.loader is not None
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+        module = importlib.import_module(f"{name}.{subject.identifier}")
+        stack = ExitStack()
+        involved = [module, module.rt, module.subleg, module.platform, module.algebra]
+        stack.enter_context(exact_numpy(*involved, arithmetic=arithmetic))
+        _kept.append(stack)
+        _modules[key] = module
+    return _modules[key]
+
+
+def run_numpy(
+    subject: Subject, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A function of the NumPy text."""
+    module = numpy_module(subject, arithmetic)
+    arguments = {port.name: _object_array(inputs[port.name], port.full_shape, arithmetic) for port in function.inputs}
+    fields = {name: _object_array(geometry[name], (LEGS,), arithmetic) for name in subject.fields}
+    default = module.DEFAULT_GEOMETRY
+    place = module.Geometry(fields, default.order, default.positive)
+    answer, status = getattr(module, function.name)(**arguments, geometry=place, status=True)
+    _expect_ok(int(status), function)
+    found = answer if len(function.outputs) > 1 else (answer,)
+    return {port.name: list(np.ravel(value)) for port, value in zip(function.outputs, found, strict=True)}
+
+
+def _object_array(values: Any, shape: tuple[int, ...], arithmetic: Arithmetic) -> Any:
+    array = np.empty(prod(shape), dtype=object)
+    for index, value in enumerate(values):
+        array[index] = arithmetic.lift(value)
+    return array.reshape(shape)
+
+
+# -- CasADi -----------------------------------------------------------------------------------------------------------
+
+_functions: dict[tuple[Path, str, str], casadi.Function] = {}
+
+
+def casadi_function(subject: Subject, function: RobotFunction) -> casadi.Function:
+    """The casadi.Function with a symbolic geometry as its last input."""
+    key = (subject.folder, subject.identifier, function.name)
+    if key not in _functions:
+        module = subject.casadi
+        geometry = casadi.SX.sym("geometry", LEGS * len(module.FIELDS))
+        _functions[key] = module.FUNCTIONS[function.name](geometry)
+    return _functions[key]
+
+
+def run_casadi(
+    subject: Subject, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A function of the CasADi text."""
+    built = casadi_function(subject, function)
+    arguments: list[Any] = [_rows(inputs[port.name], port) for port in function.inputs]
+    arguments.append([geometry[name][leg] for leg in range(LEGS) for name in subject.fields])
+    constants = _constants(subject, function)
+    matrices = casadi_exact.evaluate(built, arguments, arithmetic, lambda value: constants.get(value, value))
+    found = dict(zip(built.name_out(), matrices, strict=True))
+    return {port.name: unpack(port, lambda name: [x for row in found[name] for x in row]) for port in function.outputs}
+
+
+def _rows(values: Any, port: Port) -> list[list[Any]]:
+    """Row-major values as the rows of CasADi's matrix."""
+    columns = (*port.full_shape, 1, 1)[1]
+    return [list(values[start : start + columns]) for start in range(0, len(values), columns)]
+
+
+def unpack(port: Port, matrix: Callable[[str], Any]) -> list[Any]:
+    """A port's values, row by row, from CasADi's results (one for each leg where the legs' parts are matrices)."""
+    if port.layout is Layout.STACKED and len(port.full_shape) > 2:
+        return [value for leg in range(LEGS) for value in matrix(f"{port.name}{leg + 1}")]
+    return list(matrix(port.name))
+
+
+def _constants(subject: Subject, function: RobotFunction) -> dict[float, Fraction]:
+    """The fractions of the derivation that CasADi knows as the nearest double."""
+    kernels = [subject.code.parts[call.part].kernel(call.kernel) for call in function.calls]
+    kernels += [part.geometry.prepare for part in subject.code.parts.values() if part.geometry is not None]
+    values = [node.value for kernel in kernels for _, node in kernel.graph if isinstance(node.value, Fraction)]
+    return {float(value): value for value in values}
+
+
+RUNNERS = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
+"""How each printed target is run."""

@@ -1,0 +1,206 @@
+"""Random configurations of a robot in doubles: consistent, reachable in every working mode, and well conditioned.
+
+They are drawn with the derivation itself, evaluated on arrays, not with any generated function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import prod, radians
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from krhpr.codegen.composition import RobotFunction, Stage
+from krhpr.codegen.kernel import LEGS, Port, Unit
+from krhpr.validation.arithmetic import ARRAYS
+from krhpr.validation.subject import Subject
+
+Floats = NDArray[np.float64]
+Values = dict[str, Floats]
+
+CONDITION = 0.1
+"""Dimensionless factors of determinants (sines, mostly) are at least this in the configurations drawn."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A geometry and so many configurations of it: every argument by name, shape (count, *port)."""
+
+    subject: Subject
+    geometry: Mapping[str, tuple[float, float, float]]
+    values: Values
+
+    def __len__(self) -> int:
+        return len(self.values["p"])
+
+    def of(self, function: RobotFunction) -> Values:
+        """The arguments of a function."""
+        return {port.name: self.values[port.name] for port in function.inputs}
+
+    def element(self, function: RobotFunction, index: int) -> dict[str, list[float]]:
+        """The arguments of a function for one configuration, flat."""
+        return {port.name: self.values[port.name][index].ravel().tolist() for port in function.inputs}
+
+    def changed(self, **values: Any) -> Batch:
+        """The same with some arguments changed."""
+        return replace(self, values={**self.values, **values})
+
+    @cached_property
+    def pose(self) -> tuple[str, str]:
+        """The names of the arguments that make the pose."""
+        return ("p", "phi" if self.subject.planar else "Q")
+
+
+def rotations(vector: Floats) -> Floats:
+    """Rotation matrices of rotation vectors (..., 3)."""
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
+    x, y, z = np.moveaxis(vector, -1, 0)
+    zero = np.zeros_like(x)
+    skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape((*x.shape, 3, 3))
+    half = np.sinc(angle / (2 * np.pi))  # sin(a/2) / (a/2)
+    result: Floats = np.eye(3) + np.sinc(angle / np.pi) * skew + 0.5 * half**2 * (skew @ skew)
+    return result
+
+
+def evaluate(subject: Subject, name: str, values: Mapping[str, Floats], geometry: Mapping[str, Any]) -> Values:
+    """A robot's function by the derivation, on a batch."""
+    function = subject.code.function(name)
+    count = len(values["p"])
+    inputs = {port.name: list(values[port.name].reshape(count, -1).T) for port in function.inputs}
+    with np.errstate(all="ignore"):
+        outputs = subject.function(function, inputs, geometry, ARRAYS)
+    shapes = {port.name: port.full_shape for port in function.outputs}
+    return {key: stack(parts, count).reshape((count, *shapes[key])) for key, parts in outputs.items()}
+
+
+def stack(parts: list[Any], count: int) -> Floats:
+    """Components, some of them perhaps constant, as the last axis of a batch."""
+    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in parts], axis=-1)
+
+
+def draw_geometry(subject: Subject, rng: np.random.Generator, spread: float) -> dict[str, tuple[float, float, float]]:
+    """The default sizes, each leg's changed by up to `spread` (relative for lengths, in radians for angles)."""
+    units = {field.name: field.unit for kind in subject.geometry_types.values() for field in kind.fields}
+    found = {}
+    for name in subject.fields:
+        values = np.array(subject.entry.sizes[name])
+        change = rng.uniform(-spread, spread, LEGS)
+        values = values + change if units[name] is Unit.RADIAN else values * (1 + change)
+        found[name] = (float(values[0]), float(values[1]), float(values[2]))
+    return found
+
+
+def draw(subject: Subject, seed: int, count: int, *, spread: float = 0.05) -> Batch:
+    """So many configurations of one geometry near the default sizes."""
+    rng = np.random.default_rng(seed)
+    geometry = draw_geometry(subject, rng, spread)
+    found: list[Values] = []
+    have = 0
+    for _ in range(200):
+        values = _candidates(subject, rng, 2 * count + 20)
+        kept = _complete(subject, rng, values, geometry)
+        found.append(kept)
+        have += len(kept["p"])
+        if have >= count:
+            break
+    else:
+        raise RuntimeError(f"{subject.identifier}: only {have} of {count} configurations are reachable in every working mode")
+    whole = {name: np.concatenate([values[name] for values in found])[:count] for name in found[0]}
+    return Batch(subject, geometry, whole)
+
+
+def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Values:
+    """Poses about the middle of the workspace, redundant coordinates in the working box, and random rates."""
+    values: Values = {}
+    if subject.planar:
+        values["p"] = rng.uniform(-0.04, 0.04, (count, 2))
+        values["phi"] = rng.uniform(-0.3, 0.3, count)
+    else:
+        values["p"] = np.array([0.0, 0.0, 0.35]) + rng.uniform(-0.06, 0.06, (count, 3))
+        axis = rng.normal(size=(count, 3))
+        axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        values["Q"] = rotations(axis * rng.uniform(0, radians(30), (count, 1)))
+    values["redundant"] = redundant_box(subject, rng, count)
+    freedom = subject.platform.space.degrees_of_freedom
+    for name, shape in (
+        ("twist", (freedom,)),
+        ("twist_rate", (freedom,)),
+        ("redundant_rate", (LEGS,)),
+        ("redundant_acceleration", (LEGS,)),
+        ("theta_dot", (LEGS, subject.subleg.n)),
+        ("theta_ddot", (LEGS, subject.subleg.n)),
+    ):
+        values[name] = rng.uniform(-1, 1, (count, *shape))
+    return values
+
+
+def redundant_box(subject: Subject, rng: np.random.Generator, count: int, wide: bool = False) -> Floats:
+    """Redundant coordinates inside the working box: well inside, or almost all of it."""
+    if subject.platform.redundant_joint.kind == "revolute":
+        low, high = (30.5, 149.5) if wide else (60.0, 130.0)
+        return rng.uniform(radians(low), radians(high), (count, LEGS))
+    return rng.uniform(0.001 if wide else 0.08, 0.15, (count, LEGS))
+
+
+def _complete(subject: Subject, rng: np.random.Generator, values: Values, geometry: Mapping[str, Any]) -> Values:
+    """What follows from pose and redundant coordinates, for those configurations that are fit for checks."""
+    values = {**values, **evaluate(subject, "end_points", values, geometry)}
+    every = evaluate(subject, "subleg_inverse", values, geometry)["theta"]
+    count, modes = len(values["p"]), len(subject.code.mode_signs)
+    good = np.isfinite(every).all(axis=(1, 2, 3))
+    for mode in range(modes):
+        good &= _conditioned(subject, {**values, "theta": every[:, :, mode]}, geometry)
+    chosen = rng.integers(modes, size=(count, LEGS))
+    rows, legs = np.arange(count)[:, None], np.arange(LEGS)[None, :]
+    values["theta"] = every[rows, legs, chosen]
+    values["mode"] = np.array(subject.code.mode_signs, dtype=float)[chosen]
+    assemblies = np.array(subject.code.assembly_signs, dtype=float)
+    if assemblies.size:
+        values["assembly"] = _assemblies(subject, values, geometry, assemblies)
+    turns = rng.integers(-2, 3, values["theta"].shape) * np.array(subject.code.angular)
+    values["theta_near"] = values["theta"] + rng.uniform(-0.05, 0.05, values["theta"].shape) + 2 * np.pi * turns
+    return {name: array[good] for name, array in values.items()}
+
+
+def _conditioned(subject: Subject, values: Values, geometry: Mapping[str, Any]) -> Any:
+    """Whether legs and platform are far enough from singularities."""
+    found = evaluate(subject, "singularity", values, geometry)
+    good = (np.abs(found["factors"]) > CONDITION).all(axis=(1, 2))
+    regular = _regularity(subject, values, geometry)
+    return good & (regular > (CONDITION / 5) ** 2).all(axis=1)
+
+
+def _regularity(subject: Subject, values: Values, geometry: Mapping[str, Any]) -> Floats:
+    """The squared, scaled factors of det J, which the kernel `solve` computes beside the twist."""
+    twist = subject.code.function("twist")
+    calls = [call for call in twist.calls if call.stage is Stage.PLATFORM]
+    (solve,) = [call for call in calls if call.kernel == "solve"]
+    name = solve.variable_out("regularity")
+    kernel = subject.derived("platform", "solve")
+    port = replace(kernel.output_port("regularity"), name=name)
+    function = replace(twist, name="regularity", outputs=(port,))
+    count = len(values["p"])
+    inputs = {port.name: list(values[port.name].reshape(count, -1).T) for port in function.inputs}
+    with np.errstate(all="ignore"):
+        return stack(subject.function(function, inputs, geometry, ARRAYS)[name], count)
+
+
+def _assemblies(subject: Subject, values: Values, geometry: Mapping[str, Any], assemblies: Floats) -> Floats:
+    """The assembly mode of each leg in which its joints lead to its end point."""
+    count = len(values["p"])
+    errors = []
+    for signs in assemblies:
+        assembly = np.broadcast_to(signs, (count, LEGS, len(signs)))
+        s = evaluate(subject, "subleg_forward", {**values, "assembly": assembly}, geometry)["s"]
+        errors.append(np.abs(s - values["s"]).max(axis=-1))
+    best = np.nanargmin(np.where(np.isnan(errors), np.inf, errors), axis=0)
+    return assemblies[best]
+
+
+def size_of(port: Port) -> int:
+    """Elements of a port in the robot's function."""
+    return prod(port.full_shape)

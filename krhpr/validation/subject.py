@@ -1,0 +1,180 @@
+"""What is validated: a robot's derivation, its optimised kernels, and the texts printed from them.
+
+A subject is made from the catalogue and `generated/`, or, to see whether a check would notice a mistake, from a changed
+derivation or changed texts in a folder of their own.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache, cached_property
+from itertools import count
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import krhpr.generated
+from krhpr.codegen.build import Parts, build
+from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
+from krhpr.codegen.kernel import LEGS, GeometryType, Kernel
+from krhpr.derivations import algebra
+from krhpr.derivations.catalogue import Entry, catalogue
+from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.sublegs.base import SubLeg
+
+GENERATED = Path(krhpr.generated.__path__[0])
+
+Fields = Mapping[str, Sequence[Any]]
+"""A geometry: for each field the values of the three legs."""
+Inputs = Mapping[str, Sequence[Any]]
+"""Arguments of a function by port, flat and row-major."""
+Outputs = dict[str, list[Any]]
+
+
+class Subject:
+    """One robot under validation."""
+
+    def __init__(self, entry: Entry, folder: Path = GENERATED, parts: Parts | None = None) -> None:
+        self.entry = entry
+        self.folder = folder
+        self.code: RobotCode = build(entry, parts or Parts())
+        self._derived: dict[str, dict[str, Kernel]] = {}
+
+    @property
+    def identifier(self) -> str:
+        return self.entry.identifier
+
+    @property
+    def subleg(self) -> SubLeg:
+        return self.entry.robot.subleg
+
+    @property
+    def platform(self) -> Platform:
+        return self.entry.robot.platform
+
+    @property
+    def planar(self) -> bool:
+        return self.platform.space.value == "planar"
+
+    # -- the derivation -----------------------------------------------------------------------------------------
+
+    def derived(self, part: str, name: str) -> Kernel:
+        """A kernel as the derivation states it, before any pass."""
+        if part not in self._derived:
+            kernels = {
+                "subleg": lambda: (*self.subleg.kernels(), self.subleg.closure_kernel()),
+                "platform": self.platform.kernels,
+                "algebra": lambda: algebra.kernels(self.platform.space),
+            }[part]()
+            self._derived[part] = {kernel.name: kernel for kernel in kernels}
+        return self._derived[part][name]
+
+    @cached_property
+    def geometry_types(self) -> dict[str, GeometryType]:
+        """The geometries of the parts, as derived."""
+        return {"subleg": self.subleg.geometry(), "platform": self.platform.geometry()}
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The names of all geometry fields, in the order of the C structure."""
+        return tuple(field.name for kind in self.geometry_types.values() for field in kind.fields)
+
+    def prepare(self, geometry: Fields, arithmetic: Arithmetic) -> dict[str, list[dict[str, list[Any]]]]:
+        """The prepared geometry of each part and leg."""
+        return {
+            part: [
+                prepare_geometry(kind, {field.name: geometry[field.name][leg] for field in kind.fields}, arithmetic)
+                for leg in range(LEGS)
+            ]
+            for part, kind in self.geometry_types.items()
+        }
+
+    def kernel(
+        self, part: str, name: str, inputs: Inputs, geometry: Fields, leg: int, arithmetic: Arithmetic
+    ) -> Outputs:
+        """A kernel as derived, evaluated for one leg."""
+        kind = self.geometry_types.get(part)
+        prepared = None
+        if kind is not None:
+            fields = {field.name: geometry[field.name][leg] for field in kind.fields}
+            prepared = prepare_geometry(kind, fields, arithmetic)
+        return evaluate_kernel(self.derived(part, name), inputs, prepared, arithmetic)
+
+    def function(self, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
+        """A robot's function by the derivation, guards not applied."""
+        return evaluate_function(function, self.derived, self.prepare(geometry, arithmetic), inputs, arithmetic)
+
+    def call(self, name: str, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
+        """`function`, by its name."""
+        return self.function(self.code.function(name), inputs, geometry, arithmetic)
+
+    # -- the printed texts --------------------------------------------------------------------------------------
+
+    @property
+    def module(self) -> ModuleType:
+        """The generated NumPy module."""
+        return _submodule(self.folder, f"python.{self.identifier}")
+
+    @property
+    def casadi(self) -> ModuleType:
+        """The generated CasADi module."""
+        return _submodule(self.folder, f"casadi.{self.identifier}")
+
+    @property
+    def source(self) -> Path:
+        """The generated C source."""
+        return self.folder / "c" / f"krhpr_{self.identifier}.c"
+
+    def c_sources(self) -> list[tuple[str, str]]:
+        """The C source and the headers that it includes, each before what uses it."""
+        return _with_headers(self.source, set())
+
+
+def subjects(identifiers: Iterable[str] | None = None, folder: Path = GENERATED) -> list[Subject]:
+    """Robots of the catalogue (all unless named), which share what they have in common."""
+    entries = {entry.identifier: entry for entry in catalogue()}
+    names = list(entries if identifiers is None else identifiers)
+    unknown = [name for name in names if name not in entries]
+    if unknown:
+        raise KeyError(f"no robot is called {', '.join(unknown)}; there are {', '.join(entries)}")
+    parts = Parts()
+    return [Subject(entries[name], folder, parts) for name in names]
+
+
+_INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+
+
+def _with_headers(path: Path, seen: set[str]) -> list[tuple[str, str]]:
+    text = path.read_text(encoding="utf-8")
+    found = []
+    for header in _INCLUDE.findall(text):
+        if header not in seen:
+            seen.add(header)
+            found += _with_headers(path.parent / header, seen)
+    return [*found, (path.name, text)]
+
+
+_packages = count()
+
+
+@cache
+def _package(folder: Path) -> str:
+    """A folder of generated files, imported as a package under a name of its own."""
+    if folder == GENERATED:
+        return "krhpr.generated"
+    name = f"krhpr_printed_{next(_packages)}"
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    assert spec is not None and spec.loader is not None
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[name] = package
+    spec.loader.exec_module(package)
+    return name
+
+
+def _submodule(folder: Path, name: str) -> ModuleType:
+    return importlib.import_module(f"{_package(folder)}.{name}")

@@ -1,0 +1,152 @@
+"""The generated C compiles without a warning, needs next to nothing, keeps no state and does not recurse."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, program, run
+
+HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
+SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
+
+# What a robot may ask of the system: six functions of math.h (sincos is how gcc calls sin and cos of one angle), and what
+# compilers put in for loops that copy or clear.
+ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "memset", "memcpy"}
+POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
+
+# Bounds of loops: a number, or a count that the caller gives.
+LOOP = re.compile(
+    r"for \((?:int|ptrdiff_t) (\w+) = 0; \1 < (?:\d+|n|\(ptrdiff_t\)count); \+\+\1\)"
+)
+
+
+def compile_object(compiler: str, robot: str, folder: Path, *flags: str) -> Path:
+    target = folder / f"{robot}.o"
+    run([compiler, *flags, "-c", SOURCES / f"krhpr_{robot}.c", "-o", target])
+    return target
+
+
+@pytest.mark.parametrize("optimisation", ["-O0", "-O2"])
+def test_strict_c99(robot: str, compiler: str, optimisation: str, tmp_path: Path) -> None:
+    """No warning at all, with and without the optimiser's analyses."""
+    compile_object(compiler, robot, tmp_path, *CONFORMANCE, optimisation)
+
+
+@pytest.mark.parametrize("standard", ["c11", "c17", "gnu99", "gnu17"])
+def test_later_standards(robot: str, compiler: str, standard: str, tmp_path: Path) -> None:
+    flags = [f"-std={standard}" if flag.startswith("-std=") else flag for flag in CONFORMANCE]
+    compile_object(compiler, robot, tmp_path, *flags, "-fsyntax-only")
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_header_stands_alone_in_c(header: str, compiler: str, tmp_path: Path) -> None:
+    source = tmp_path / "alone.c"
+    source.write_text(f'#include "{header}"\n#include "{header}"\ntypedef int not_empty;\n')
+    run([compiler, *CONFORMANCE, "-fsyntax-only", f"-I{SOURCES}", source])
+
+
+def test_headers_serve_cpp(compiler: str, tmp_path: Path) -> None:
+    """Each header, and all together, in C++17."""
+    cpp = program(CPP[compiler])
+    for name, headers in [*((header, [header]) for header in HEADERS), ("all", HEADERS)]:
+        source = tmp_path / f"{name}.cpp"
+        source.write_text("".join(f'#include "{header}"\n' for header in headers))
+        run([cpp, *CPP_CONFORMANCE, "-fsyntax-only", f"-I{SOURCES}", source])
+
+
+def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) -> None:
+    """Compiled as C, called from C++."""
+    cpp = program(CPP[compiler])
+    source = tmp_path / "main.cpp"
+    prefix = f"krhpr_{robot}"
+    source.write_text(
+        f'#include "{prefix}.h"\nint main() {{ {prefix}_geometry g; return {prefix}_default_geometry(&g); }}\n'
+    )
+    library = compile_object(compiler, robot, tmp_path, "-O1")
+    run([cpp, *CPP_CONFORMANCE, f"-I{SOURCES}", source, library, "-o", tmp_path / "main", "-lm"])
+    run([tmp_path / "main"])
+
+
+@pytest.mark.parametrize("flags", [("-O0",), ("-O2", "-std=c99"), SPEED], ids=["O0", "O2", "speed"])
+def test_symbols(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
+    """Undefined symbols are on a short list (no allocation, no pow, no input or output); all others carry the prefix."""
+    nm = program("nm")
+    library = compile_object(compiler, robot, tmp_path, *flags, "-fPIC", "-fno-stack-protector")
+    needed, offered = set(), set()
+    for line in run([nm, library]).splitlines():
+        kind, name = line.split()[-2:]
+        if kind == "U":
+            needed.add(name)
+        elif kind.isupper():
+            offered.add((kind, name))
+    assert needed - POSITION_INDEPENDENCE <= ALLOWED
+    assert {kind for kind, _ in offered} == {"T"}, "functions alone are exported"
+    assert all(name.startswith(f"krhpr_{robot}_") for _, name in offered)
+
+
+def test_no_writable_data(robot: str, compiler: str, tmp_path: Path) -> None:
+    """Nothing in .data, .bss or thread-local storage, and no common symbols: there is no state."""
+    size = program("size")
+    library = compile_object(compiler, robot, tmp_path, "-O2", "-fPIC")
+    rows = [line.split() for line in run([size, "-A", library]).splitlines()]
+    sections = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
+    assert sections[".text"] > 0
+    writable = {name: n for name, n in sections.items() if re.match(r"\.(data|bss|tdata|tbss|ldata|lbss|common)\b", name)}
+    assert not any(writable.values()), writable
+
+
+def test_stack_and_call_graph(robot: str, tmp_path: Path) -> None:
+    """The size of every stack frame is known at compile time and small, and no function calls itself, however indirectly."""
+    program("gcc")
+    compile_object("gcc", robot, tmp_path, "-std=c99", "-O2", "-fno-inline", "-fstack-usage", "-fcallgraph-info")
+    frames = [line.split("\t") for line in (tmp_path / f"{robot}.su").read_text().splitlines()]
+    assert {kind for _, _, kind in frames} == {"static"}
+    assert max(int(size) for _, size, _ in frames) <= 8192
+    graph: dict[str, set[str]] = {}
+    edges = re.findall(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"', (tmp_path / f"{robot}.ci").read_text())
+    for caller, callee in edges:
+        graph.setdefault(caller, set()).add(callee)
+    assert not any("indirect" in callee for callees in graph.values() for callee in callees)
+    assert not cycle(graph)
+
+
+def cycle(graph: dict[str, set[str]]) -> list[str]:
+    """A chain of callers that comes back to itself, or nothing."""
+    finished: set[str] = set()
+
+    def visit(name: str, path: list[str]) -> list[str]:
+        if name in path:
+            return [*path, name]
+        if name in finished:
+            return []
+        for callee in sorted(graph.get(name, ())):
+            if found := visit(callee, [*path, name]):
+                return found
+        finished.add(name)
+        return []
+
+    return next((found for name in sorted(graph) if (found := visit(name, []))), [])
+
+
+def test_cycles_are_found() -> None:
+    assert cycle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["a", "b", "c", "b"]
+    assert not cycle({"a": {"b", "c"}, "b": {"c"}})
+
+
+@pytest.mark.parametrize("path", sorted(SOURCES.glob("krhpr*.[ch]")), ids=lambda path: path.name)
+def test_loops_are_bounded(path: Path) -> None:
+    """Loops count to a constant, or to a count that the caller gives; there is no while, goto, setjmp or function pointer."""
+    code = re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL)
+    assert not re.search(r"\b(while|goto|setjmp|longjmp|alloca|malloc|calloc|realloc|free|pow|volatile|extern(?! \"C\"))\b", code)
+    loops = re.findall(r"\bfor \(.*?\)(?=\s*\{)", code)
+    assert len(loops) == len(re.findall(r"\bfor\b", code))
+    assert [loop for loop in loops if not LOOP.fullmatch(loop)] == []
+    assert not re.search(r"\(\s*\*\s*\w+\s*\)\s*\(", code), "a function pointer"
+
+
+def test_every_robot_is_here() -> None:
+    assert ROBOTS
+    assert {path.stem for path in SOURCES.glob("krhpr_*.c")} == {f"krhpr_{robot}" for robot in ROBOTS}

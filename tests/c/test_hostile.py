@@ -1,0 +1,68 @@
+"""Hostile inputs under sanitizers: no trap, a status of the enumeration, NaN where there is no answer, nothing left unwritten."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.c.conftest import Build
+from tests.c.support import COMPILERS, ROBOTS, SOURCES, program, run
+
+SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
+
+MAY_BE_NAN = (
+    # modes that do not exist are NaN as long as another one exists
+    "inverse_all.theta",
+    "subleg_inverse.theta",
+    # det M_i has a pole where the rod and the distal link of a closed loop are aligned
+    "singularity.type_1",
+    # so has the acceleration of its end point, which this function has no guard for
+    "joint_accelerations.theta_ddot",
+)
+
+
+def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
+    """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with address and undefined-behaviour sanitizers."""
+    if not full and COMPILERS[ROBOTS.index(robot) % 2] != compiler and robot != ROBOTS[0]:
+        pytest.skip("small samples: one sanitizer for each robot, in turns; both for the first")
+    binary = build("hostile.c", robot, compiler, "-O1" if full else "-O0", "-g", *SANITIZE)
+    run([binary, "100000" if full else "2000", *MAY_BE_NAN])
+
+
+def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build, full: bool) -> None:
+    """The same promises hold for the flags that a controller is compiled with."""
+    if not full:
+        pytest.skip("large samples only")
+    flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-tree-slp-vectorize")
+    known = flags if compiler == "gcc" else flags[:-1]
+    run([build("hostile.c", robot, compiler, *known), "100000", *MAY_BE_NAN])
+
+
+BROKEN = {
+    "no NaN for an invalid input": ("krhpr.h", "x[k] = (double)NAN;", "(void)x;", "is not NaN"),
+    "no check of the inputs": ("krhpr.h", "finite &= ", "finite |= ", "for infinite input"),
+    "a status that is not one": ("krhpr.h", "KRHPR_INVALID_INPUT = 11", "KRHPR_INVALID_INPUT = -1", "status -1"),
+    "an element left unwritten": ("subleg", "    s[1] = ", "    if (s[1] > 1e9) s[1] = ", "is not written whole"),
+    "an element too far": ("subleg", "    s[2] = ", "    s[9] = s[2] = ", "AddressSanitizer"),
+    "a batch that repeats one element": ("source", "in[0] + k * in_step[0]", "in[0]", "batch: "),
+}
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_a_broken_promise_is_seen(what: str, build: Build, tmp_path: Path) -> None:
+    """The harness fails where the generated code is spoilt in one place."""
+    program("gcc")
+    robot = "spatial_rrr_a"
+    kind, good, bad, said = BROKEN[what]
+    folder = tmp_path / "spoilt"
+    shutil.copytree(SOURCES, folder)
+    names = {"subleg": "krhpr_subleg_rrr.h", "source": f"krhpr_{robot}.c"}
+    spoilt = folder / names.get(kind, kind)
+    text = spoilt.read_text()
+    assert good in text
+    spoilt.write_text(text.replace(good, bad))
+    binary = build("hostile.c", robot, "gcc", "-O0", *SANITIZE, folder=folder)
+    with pytest.raises(AssertionError, match=said):
+        run([binary, "500", *MAY_BE_NAN])
