@@ -1,7 +1,8 @@
 """This project's own contenders: the workloads as robot functions, printed by the generator like any other.
 
-W1 starts from joint angles, so it is the composition of the sub-leg's forward kinematics with the rows of J and K; W2 and
-W5 are `inverse` and `subleg_jacobian`. Geometry is baked: a constant, prepared structure next to the glue.
+W1 starts from joint angles, so it is the composition of the sub-leg's forward kinematics with the rows of J
+and K; W2 and W5 are `inverse` and `subleg_jacobian`. Geometry is baked: a constant, prepared structure next
+to the glue.
 """
 
 from __future__ import annotations
@@ -47,12 +48,14 @@ def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
         + "static const double mode[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};\n"
         + f"{workload.prototype()}\n{{\n    {CALL[workload.key].format(robot=name)};\n}}\n"
     )
-    glue = glue if workload.key == "w2" else glue.replace("static const double mode[6]", "extern const double unused_mode[6]; //")
+    glue = (
+        glue
+        if workload.key == "w2"
+        else glue.replace("static const double mode[6]", "extern const double unused_mode[6]; //")
+    )
     options = {"scalar": (), "scalar, libm": ("-DKRHPR_LIBM",)}
     return [
-        Contender(
-            OURS, workload.key, variant, glue, include_dirs=(str(folder),), extra_flags=flags
-        )
+        Contender(OURS, workload.key, variant, glue, include_dirs=(str(folder),), extra_flags=flags)
         for variant, flags in options.items()
     ]
 

@@ -46,11 +46,17 @@ def _difference(space: Space) -> Kernel:
 def _wrist(space: Space) -> Kernel:
     """The joint at S_i: a rotation in space, an angle in the plane."""
     if space is Space.SPATIAL:
-        k = KernelWriter("wrist", "Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last link.")
+        k = KernelWriter(
+            "wrist",
+            "Rotation of the spherical joint: orientation of the redundant link seen from the "
+            "sub-leg's last link.",
+        )
         link, redundant = k.input("link", (3, 3)), k.input("redundant_link", (3, 3))
         k.output("spherical", link.T * redundant)
         return k.kernel()
-    k = KernelWriter("wrist", "Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link.")
+    k = KernelWriter(
+        "wrist", "Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link."
+    )
     link, redundant = k.input("link", (2,)), k.input("redundant_link", (2,))
     k.output("wrist", k.atan2(cross2(link, redundant), dot(link, redundant)), Unit.RADIAN)
     return k.kernel()

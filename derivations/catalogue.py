@@ -31,6 +31,7 @@ class Entry:
 
     @property
     def identifier(self) -> str:
+        """The name of the robot, `spatial_rrr_a`."""
         return self.robot.identifier
 
 
@@ -62,7 +63,12 @@ _PLANAR_A = {"platform_azimuth": _PLANAR, "R_p": _alike(0.125), "l_r": _alike(0.
 def catalogue() -> tuple[Entry, ...]:
     """Every robot, in the order of the documentation."""
     return (
-        Entry(Robot(RRR(), SpatialA()), {**_RRR, **_SPATIAL_A}, "RRR legs, redundant links to revolute joints", "2.3"),
+        Entry(
+            Robot(RRR(), SpatialA()),
+            {**_RRR, **_SPATIAL_A},
+            "RRR legs, redundant links to revolute joints",
+            "2.3",
+        ),
         Entry(Robot(RFiveBar(), SpatialA()), {**_R_FIVEBAR, **_SPATIAL_A}, "the flagship of Chapter 1", "1"),
         Entry(Robot(RRR(), SpatialC()), {**_RRR, **_SPATIAL_C}, "RRR legs, radial slides", "2.3"),
         Entry(Robot(RR(), PlanarA()), {**_RR, **_PLANAR_A}, "planar RR legs, redundant links", "2.2"),

@@ -1,6 +1,8 @@
-"""A robot is a composition: one sub-leg x one platform arrangement.  The functions below are the same for all.
+"""A robot is a composition: one sub-leg x one platform arrangement.  The functions below are the same for
+all.
 
-Read this file to see what every function of a robot computes; the formulas are in `sublegs/` and `platforms/`.
+Read this file to see what every function of a robot computes; the formulas are in `sublegs/` and
+`platforms/`.
 """
 
 from __future__ import annotations
@@ -32,15 +34,18 @@ class Robot:
     def __post_init__(self) -> None:
         if self.subleg.space is not self.platform.space:
             raise ValueError(
-                f"sub-leg {self.subleg.name!r} is {self.subleg.space}, arrangement {self.platform.name!r} is {self.platform.space}"
+                f"sub-leg {self.subleg.name!r} is {self.subleg.space}, arrangement "
+                f"{self.platform.name!r} is {self.platform.space}"
             )
 
     @property
     def space(self) -> Space:
+        """Space or plane."""
         return self.subleg.space
 
     @property
     def identifier(self) -> str:
+        """`<space>_<sub-leg>_<arrangement>`."""
         return f"{self.space}_{self.subleg.name}_{self.platform.arrangement}"
 
     @property
@@ -85,7 +90,8 @@ class _Functions:
         yield self._passive_joints()
         yield self._singularity()
 
-    # -- pieces -------------------------------------------------------------------------------------------------
+    # -- pieces
+    # -------------------------------------------------------------------------------------------------
 
     def _function(
         self,
@@ -125,7 +131,8 @@ class _Functions:
             guards.append(Guard("det_regularity", 1, Relation.AT_LEAST, limit, Status.SINGULAR_NORMAL))
         return tuple(guards)
 
-    # -- position -----------------------------------------------------------------------------------------------
+    # -- position
+    # -----------------------------------------------------------------------------------------------
 
     def _end_points(self) -> RobotFunction:
         return self._function(
@@ -155,7 +162,8 @@ class _Functions:
             guards = (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
         return self._function(
             "subleg_forward",
-            "End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.",
+            "End points of the sub-legs from the actuated joints.  A closed loop that cannot "
+            "close gives NaN.",
             "3.5",
             inputs,
             (self.leg.s,),
@@ -166,7 +174,8 @@ class _Functions:
     def _subleg_inverse(self) -> RobotFunction:
         return self._function(
             "subleg_inverse",
-            "Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not exist.",
+            "Actuated joints of the sub-legs in every working mode, from the end points; NaN "
+            "where a mode does not exist.",
             "App. B",
             (self.leg.s,),
             (self.leg.theta_all,),
@@ -198,7 +207,9 @@ class _Functions:
 
     def _inverse_near(self) -> RobotFunction:
         """A procedure (templates hold its loop): it chooses among the modes that `inverse_all` finds."""
-        near = replace(self.leg.theta, name="theta_near", doc="joints to stay near, the previous ones on a path")
+        near = replace(
+            self.leg.theta, name="theta_near", doc="joints to stay near, the previous ones on a path"
+        )
         theta = replace(self.leg.theta, doc="actuated joints, continued beyond +-pi")
         return RobotFunction(
             "inverse_near",
@@ -210,7 +221,14 @@ class _Functions:
         )
 
     def _inverse_status(self) -> RobotFunction:
-        excess = Port("excess", (), Unit.METRE, Frame.NONE, "distance by which the end point is out of reach", Layout.STACKED)
+        excess = Port(
+            "excess",
+            (),
+            Unit.METRE,
+            Frame.NONE,
+            "distance by which the end point is out of reach",
+            Layout.STACKED,
+        )
         return self._function(
             "inverse_status",
             "Which leg cannot reach its end point, and by how much.",
@@ -224,14 +242,16 @@ class _Functions:
     def _constraints(self) -> RobotFunction:
         return self._function(
             "constraints",
-            "Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N s_dot.",
+            "Residuals of the constraint equations; all zero where the platform closes.  Their "
+            "rates are J t - N s_dot.",
             self.robot.platform.equations,
             (*self.pose, self.plate.s),
             (self.plate.residual,),
             (self._on_leg("platform", "residual"),),
         )
 
-    # -- velocity -----------------------------------------------------------------------------------------------
+    # -- velocity
+    # -----------------------------------------------------------------------------------------------
 
     def _subleg_jacobian(self) -> RobotFunction:
         return self._function(
@@ -245,12 +265,16 @@ class _Functions:
         )
 
     def _jacobians(self) -> RobotFunction:
-        K = replace(self.leg.K, doc="Jacobian of the actuators, legs on the block diagonal", layout=Layout.DIAGONAL)
+        K = replace(
+            self.leg.K, doc="Jacobian of the actuators, legs on the block diagonal", layout=Layout.DIAGONAL
+        )
         return self._jacobian_function("jacobians", "J and K of J t = K theta_dot.", K)
 
     def _jacobian_blocks(self) -> RobotFunction:
         K = replace(self.leg.K, doc="the legs' blocks of K")
-        return self._jacobian_function("jacobian_blocks", "J, and K as the legs' blocks without the zeros.", K)
+        return self._jacobian_function(
+            "jacobian_blocks", "J, and K as the legs' blocks without the zeros.", K
+        )
 
     def _jacobian_function(self, name: str, doc: str, K: Port) -> RobotFunction:
         return self._function(
@@ -292,7 +316,8 @@ class _Functions:
             (self._serial_guard(),),
         )
 
-    # -- acceleration -------------------------------------------------------------------------------------------
+    # -- acceleration
+    # -------------------------------------------------------------------------------------------
 
     def _platform_acceleration(self) -> RobotFunction:
         theta_ddot = self._theta_ddot()
@@ -300,15 +325,24 @@ class _Functions:
             self._on_leg("platform", "line"),
             self._on_leg("subleg", "bias"),
             self._posture(),
-            self._on_leg("subleg", "velocity", {"s_dot": "along", "regularity": "regularity"}, theta_dot="theta_ddot"),
+            self._on_leg(
+                "subleg", "velocity", {"s_dot": "along", "regularity": "regularity"}, theta_dot="theta_ddot"
+            ),
             self._on_leg("algebra", "sum"),
             self._on_leg("platform", "row_bias", {"bias": "row_bias"}),
             self._on_leg("algebra", "rate_with_bias", bias="row_bias"),
-            Call(Stage.PLATFORM, "platform", "solve", {}, {"twist": "twist_rate", "regularity": "det_regularity"}),
+            Call(
+                Stage.PLATFORM,
+                "platform",
+                "solve",
+                {},
+                {"twist": "twist_rate", "regularity": "det_regularity"},
+            ),
         )
         return self._function(
             "platform_acceleration",
-            "Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.",
+            "Rate of the twist from the accelerations of the actuated joints; `twist` is the one "
+            "that theta_dot gives.",
             "(1.30) differentiated",
             (*self.pose, self.leg.s, self.leg.theta, self.plate.twist, self.leg.theta_dot, theta_ddot),
             (self.plate.twist_rate,),
@@ -326,7 +360,8 @@ class _Functions:
         )
         return self._function(
             "joint_accelerations",
-            "Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.",
+            "Accelerations of the actuated joints; `theta_dot` are the rates that twist and "
+            "redundant rates give.",
             "(1.30) differentiated",
             (
                 *self.pose,
@@ -345,10 +380,14 @@ class _Functions:
 
     def _theta_ddot(self) -> Port:
         return replace(
-            self.leg.theta_dot, name="theta_ddot", unit=Unit.ACTUATOR_ACCELERATION, doc="accelerations of the actuated joints"
+            self.leg.theta_dot,
+            name="theta_ddot",
+            unit=Unit.ACTUATOR_ACCELERATION,
+            doc="accelerations of the actuated joints",
         )
 
-    # -- passive joints and singularities -----------------------------------------------------------------------
+    # -- passive joints and singularities
+    # -----------------------------------------------------------------------
 
     def _passive_joints(self) -> RobotFunction:
         outputs: list[Port] = []
@@ -359,7 +398,8 @@ class _Functions:
             outputs.append(Port("wrist", (), Unit.RADIAN, Frame.JOINT, wrist, Layout.STACKED))
         else:
             sphere = (
-                "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from the sub-leg's last link "
+                "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from"
+                " the sub-leg's last link "
                 "(x towards S_i, z = e_2)"
             )
             outputs.append(Port("spherical", (3, 3), Unit.NONE, Frame.JOINT, sphere, Layout.STACKED))
@@ -381,7 +421,11 @@ class _Functions:
     def _singularity(self) -> RobotFunction:
         names = self.robot.subleg.factor_names()
         doc = "; ".join(f"{name}: {text}" for name, text in names)
-        factors = replace(self.leg.factors(len(names)), labels=tuple(name for name, _ in names), doc=f"factors of det M_i ({doc})")
+        factors = replace(
+            self.leg.factors(len(names)),
+            labels=tuple(name for name, _ in names),
+            doc=f"factors of det M_i ({doc})",
+        )
         type_1 = Port("type_1", (), Unit.MIXED, Frame.NONE, "det M_i", Layout.STACKED)
         calls = (
             self._posture(),
@@ -391,7 +435,8 @@ class _Functions:
         )
         return self._function(
             "singularity",
-            "Determinants of the legs and their factors; the factors of det J and margins that are positive inside the working "
+            "Determinants of the legs and their factors; the factors of det J and margins that "
+            "are positive inside the working "
             f"box.  {self.robot.platform.type_2_doc}",
             "1.4, 2.3.2",
             (*self.pose, self.leg.s, self.leg.theta),

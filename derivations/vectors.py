@@ -45,8 +45,8 @@ def solve3(m: sp.Matrix, right: sp.Matrix) -> tuple[sp.Matrix, Any]:
 def solve_structured(m: sp.Matrix, right: sp.Matrix) -> sp.Matrix:
     """Solve m x = right for the small matrices of sub-legs, using their zeros.
 
-    Rows with one entry are solved on their own; a block of two that is left is solved by Cramer's rule.  More than
-    that (three coupled rows) falls back to `solve3`.
+    Rows with one entry are solved on their own; a block of two that is left is solved by Cramer's rule.  More
+    than that (three coupled rows) falls back to `solve3`.
     """
     n = m.rows
     solution: list[Any] = [None] * n

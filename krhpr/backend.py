@@ -1,4 +1,6 @@
-"""Two ways to run a robot's functions: compiled kernels as generalized ufuncs, or the generated NumPy module."""
+"""Two ways to run a robot's functions: compiled kernels as generalized ufuncs, or the generated NumPy
+module.
+"""
 
 from __future__ import annotations
 
@@ -140,7 +142,9 @@ def compile_robot(identifier: str) -> Path:
 
 
 def compile_extension() -> Path:
-    """The compiled extension that makes NumPy functions of libraries; compiles it unless that was done before."""
+    """The compiled extension that makes NumPy functions of libraries; compiles it unless that was done
+    before.
+    """
     return extension_path()
 
 
@@ -157,7 +161,8 @@ def _extension() -> Path:
 @cache
 def _warn_slow(reason: str) -> None:
     warnings.warn(
-        f"no compiled kernels ({reason}); the pure NumPy modules are used: the same results, several times slower",
+        f"no compiled kernels ({reason}); the pure NumPy modules are used: the same results, "
+        "several times slower",
         RuntimeWarning,
         stacklevel=4,
     )

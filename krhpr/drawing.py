@@ -5,9 +5,9 @@
     bones = skeleton(robot, p, Q, redundant)    # NumPy alone
     draw(robot, p, Q, redundant)                # Matplotlib
 
-Every point comes from the generated functions: joints from `inverse`, link vectors from the sub-leg's `posture`.
-What is written here is which vectors follow one another.  A sub-leg that `CHAINS` does not know is drawn as one
-straight line.
+Every point comes from the generated functions: joints from `inverse`, link vectors from the sub-leg's
+`posture`.  What is written here is which vectors follow one another.  A sub-leg that `CHAINS` does not know
+is drawn as one straight line.
 """
 
 from __future__ import annotations
@@ -71,9 +71,9 @@ class Link:
 class Skeleton:
     """A robot in one configuration: named points of the legs, links, and the platform.
 
-    `points` has for each name an array with a row for each leg: `A` base joint, `c` end of link i1, `E` elbow (tip of
-    crank u_1), `C` tip of crank u_2, `P` where rod and distal link meet, `S` end point of the sub-leg, `B` joint on
-    the platform.
+    `points` has for each name an array with a row for each leg: `A` base joint, `c` end of link i1, `E` elbow
+    (tip of crank u_1), `C` tip of crank u_2, `P` where rod and distal link meet, `S` end point of the
+    sub-leg, `B` joint on the platform.
     """
 
     points: Mapping[str, Array]
@@ -97,8 +97,8 @@ def skeleton(
 ) -> Skeleton:
     """Points and links at one pose.
 
-    `orientation` is Q, or phi for a planar robot; `mode` is what `Robot.inverse` takes, its default unless given.
-    Raises Unreachable where a leg cannot reach its end point.
+    `orientation` is Q, or phi for a planar robot; `mode` is what `Robot.inverse` takes, its default unless
+    given.  Raises Unreachable where a leg cannot reach its end point.
     """
     s = np.asarray(robot.end_points(p, orientation, redundant))
     theta = np.asarray(robot.inverse(p, orientation, redundant, mode=mode, check=True))
@@ -220,8 +220,8 @@ def draw(
 ) -> Any:
     """Draw a robot at one pose into Matplotlib axes: new ones unless given, 3D ones for a spatial robot.
 
-    Takes what `skeleton` takes.  Set the view of 3D axes before, so that labels find their places; returns the axes.
-     Coordinates are those of the base frame, in the geometry's unit of length.
+    Takes what `skeleton` takes and returns the axes.  Set the view of 3D axes before, so that labels find
+    their places.  Coordinates are those of the base frame, in the geometry's unit of length.
     """
     bones = skeleton(robot, p, orientation, redundant, mode)
     if ax is None:
@@ -286,7 +286,9 @@ def draw_frame(ax: Any, origin: ArrayLike, axes: ArrayLike, length: float, names
             arrow = {"arrowstyle": "-|>", "color": "#111111", "shrinkA": 0, "shrinkB": 0, "linewidth": 1.1}
             ax.annotate("", start + along, start, arrowprops=arrow)
         if names:
-            label(ax, start + 1.12 * along, names[index], (0, 0), leader=False, ha="center", va="center")
+            step = _on_page(ax, start + along) - _on_page(ax, start)
+            shift = 8 * step / max(float(np.linalg.norm(step)), 1e-9)
+            label(ax, start + along, names[index], shift, leader=False, ha="center", va="center")
 
 
 def label(

@@ -29,7 +29,8 @@ class UnknownBranch(KrhprError, ValueError):
 
 
 class Unreachable(KrhprError, ValueError):
-    """A pose that a leg cannot reach: `leg` (1 to 3), `distance` in the geometry's unit, `index` in the batch."""
+    """A pose that a leg cannot reach: `leg` (1 to 3), `distance` in the geometry's unit, `index` in the
+    batch."""
 
     def __init__(self, message: str, leg: int, distance: float, index: tuple[int, ...]) -> None:
         super().__init__(message, leg, distance, index)  # all of them, for pickle
@@ -37,7 +38,8 @@ class Unreachable(KrhprError, ValueError):
 
 
 class Singular(KrhprError, ValueError):
-    """A configuration in which a determinant vanishes; `status` says which one, `index` where in the batch."""
+    """A configuration in which a determinant vanishes; `status` says which one, `index` where in the
+    batch."""
 
     def __init__(self, message: str, status: int, index: tuple[int, ...]) -> None:
         super().__init__(message, status, index)

@@ -19,8 +19,8 @@ def catalogue() -> tuple[str, ...]:
 def load(identifier: str, *, backend: str | None = None) -> Robot:
     """A robot of the catalogue, with its default geometry.
 
-    `backend` is `auto` (compiled kernels where there is a compiler, else NumPy), `compiled` or `numpy`; the environment
-    variable KRHPR_BACKEND sets it for all.
+    `backend` is `auto` (compiled kernels where there is a compiler, else NumPy), `compiled` or `numpy`; the
+    environment variable KRHPR_BACKEND sets it for all.
     """
     if identifier not in catalogue():
         raise UnknownRobot.among(identifier, catalogue())
@@ -31,6 +31,7 @@ def _check_version() -> None:
     written = getattr(krhpr.generated, "VERSION", None)
     if written != __version__:
         raise GeneratedMismatch(
-            f"the generated robots were written by krhpr {written or 'of an unknown version'}, this is krhpr {__version__}; "
+            f"the generated robots were written by krhpr {written or 'of an unknown version'}, "
+            f"this is krhpr {__version__}; "
             "run `krhpr generate` (or `make generate`)"
         )

@@ -1,4 +1,6 @@
-"""A robot as people use it: methods that broadcast, on compiled kernels or on NumPy, and its CasADi functions."""
+"""A robot as people use it: methods that broadcast, on compiled kernels or on NumPy, and its CasADi
+functions.
+"""
 
 from __future__ import annotations
 
@@ -37,17 +39,20 @@ class Options(TypedDict, total=False):
 class Robot:
     """One robot with its geometry.
 
-    Arrays have the shapes that `robot.signature(name)` and each method's documentation state, after any batch dimensions,
-    and broadcast as generalized ufuncs do.  A planar robot takes `phi` (...) in place of `Q` (..., 3, 3).
-    Where there is no answer the result is NaN, and `status=True` says why.
+    Arrays have the shapes that `robot.signature(name)` and each method's documentation state, after any batch
+    dimensions, and broadcast as generalized ufuncs do.  A planar robot takes `phi` (...) in place of `Q`
+    (..., 3, 3). Where there is no answer the result is NaN, and `status=True` says why.
     """
 
-    def __init__(self, module: ModuleType, geometry: Geometry | None = None, backend: str | None = None) -> None:
+    def __init__(
+        self, module: ModuleType, geometry: Geometry | None = None, backend: str | None = None
+    ) -> None:
         self._module = module
         self._backend_name = backend
         self.geometry: Geometry = module.DEFAULT_GEOMETRY if geometry is None else geometry
 
-    # -- what it is ---------------------------------------------------------------------------------------------
+    # -- what it is
+    # ---------------------------------------------------------------------------------------------
 
     @property
     def identifier(self) -> str:
@@ -91,15 +96,33 @@ class Robot:
 
     @property
     def documentation(self) -> Mapping[str, tuple[tuple[str, str], ...]]:
-        """Geometry, joints, modes, singular factors, margins, sections of the thesis: names with their meanings."""
+        """Geometry, joints, modes, singular factors, margins, sections of the thesis: names with their
+        meanings.
+        """
         return self._module.DOCUMENTATION  # type: ignore[no-any-return]
 
     def signature(self, function: str) -> Signature:
         """Arguments and results of a function: names, shapes, units, frames, meanings."""
         return self._module.SIGNATURES[function]  # type: ignore[no-any-return]
 
+    def mode_signs(self, mode: Branch | None = None) -> np.ndarray[Any, Any]:
+        """Signs (..., 3, signs) of a working mode given as `inverse` takes it; the default one unless
+        given.
+        """
+        return self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "working mode")
+
+    def assembly_signs(self, assembly: Branch | None = None) -> np.ndarray[Any, Any]:
+        """Signs (..., 3, signs) of an assembly mode given as `subleg_forward` takes it; the default one
+        unless given.
+        """
+        if not self.assemblies:
+            raise UnknownBranch(f"{self.identifier}: its sub-legs are open chains and have no assembly modes")
+        return self._signs(assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "assembly mode")
+
     def with_geometry(self, **changes: ArrayLike) -> Robot:
-        """The same robot with other lengths or angles: `robot.with_geometry(l_2=0.32)`; three values where legs differ."""
+        """The same robot with other lengths or angles: `robot.with_geometry(l_2=0.32)`; three values where
+        legs differ.
+        """
         return Robot(self._module, self.geometry.replace(**changes), self._backend_name)
 
     @property
@@ -115,27 +138,34 @@ class Robot:
     def __repr__(self) -> str:
         return f"<Robot {self.identifier} {self.notation}: {self.title}>"
 
-    # -- position -----------------------------------------------------------------------------------------------
+    # -- position
+    # -----------------------------------------------------------------------------------------------
 
     def end_points(self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]) -> Any:
         """s (..., 3, 3): end points of the sub-legs, (1.37)."""
         return self._answer("end_points", (p, Q, redundant), options)
 
-    def redundant_coordinates(self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, **options: Unpack[Options]) -> Any:
+    def redundant_coordinates(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
         """redundant (..., 3): angles beta or slides d from the pose and the end points."""
         return self._answer("redundant_coordinates", (p, Q, s), options)
 
-    def subleg_forward(self, theta: ArrayLike, assembly: Branch | None = None, **options: Unpack[Options]) -> Any:
-        """s (..., 3, 3) from the actuated joints theta (..., 3, n); `assembly` for sub-legs with a closed loop."""
+    def subleg_forward(
+        self, theta: ArrayLike, assembly: Branch | None = None, **options: Unpack[Options]
+    ) -> Any:
+        """s (..., 3, 3) from the actuated joints theta (..., 3, n); `assembly` for sub-legs with a closed
+        loop.
+        """
         inputs: tuple[Any, ...] = (theta,)
-        if self.assemblies:
-            inputs = (theta, self._signs(assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "assembly"))
-        elif assembly is not None:
-            raise UnknownBranch(f"{self.identifier}: its sub-legs are open chains and have no assembly modes")
+        if self.assemblies or assembly is not None:
+            inputs = (theta, self.assembly_signs(assembly))
         return self._answer("subleg_forward", inputs, options)
 
     def subleg_inverse(self, s: ArrayLike, **options: Unpack[Options]) -> Any:
-        """theta (..., 3, modes, n): actuated joints in every working mode, NaN where a mode does not exist."""
+        """theta (..., 3, modes, n): actuated joints in every working mode, NaN where a mode does not
+        exist.
+        """
         return self._answer("subleg_inverse", (s,), options)
 
     def constraints(self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, **options: Unpack[Options]) -> Any:
@@ -158,13 +188,14 @@ class Robot:
         `near` (..., 3, n), in the mode nearest to those joints and continued beyond +-pi.
         """
         if near is None:
-            signs = self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "working mode")
-            return self._answer("inverse", (p, Q, redundant, signs), options)
+            return self._answer("inverse", (p, Q, redundant, self.mode_signs(mode)), options)
         if mode is not None:
             raise UnknownBranch("inverse takes either a mode or joints to stay near, not both")
         return self._answer("inverse_near", (p, Q, redundant, near), options)
 
-    def inverse_all(self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]) -> Any:
+    def inverse_all(
+        self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
         """theta (..., 3, modes, n): every working mode, NaN where a mode does not exist."""
         return self._answer("inverse_all", (p, Q, redundant), options)
 
@@ -178,11 +209,13 @@ class Robot:
         **options: Unpack[Options],
     ) -> Any:
         """(status (...), excess (..., 3)): which leg cannot reach its end point, and by what distance."""
-        signs = self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "working mode")
-        excess, status = self._answer("inverse_status", (p, Q, redundant, signs), {**options, "status": True})
+        excess, status = self._answer(
+            "inverse_status", (p, Q, redundant, self.mode_signs(mode)), {**options, "status": True}
+        )
         return status, excess
 
-    # -- velocity and acceleration ------------------------------------------------------------------------------
+    # -- velocity and acceleration
+    # ------------------------------------------------------------------------------
 
     def subleg_jacobian(self, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]) -> Any:
         """M (..., 3, 3, n): Jacobians of the sub-legs, s_dot_i = M_i theta_dot_i, (1.16), (2.15)."""
@@ -222,7 +255,9 @@ class Robot:
         redundant_rates: ArrayLike = 0.0,
         **options: Unpack[Options],
     ) -> Any:
-        """theta_dot (..., 3, n) from the twist and the rates of the redundant coordinates (zero unless given)."""
+        """theta_dot (..., 3, n) from the twist and the rates of the redundant coordinates (zero unless
+        given).
+        """
         rates = self._per_leg(redundant_rates)
         return self._answer("joint_rates", (p, Q, s, theta, twist, rates), options)
 
@@ -237,7 +272,9 @@ class Robot:
         theta_ddot: ArrayLike,
         **options: Unpack[Options],
     ) -> Any:
-        """Rate of the twist (..., 6) from actuated joint accelerations; `twist` is the one that theta_dot gives."""
+        """Rate of the twist (..., 6) from actuated joint accelerations; `twist` is the one that theta_dot
+        gives.
+        """
         return self._answer("platform_acceleration", (p, Q, s, theta, twist, theta_dot, theta_ddot), options)
 
     def joint_accelerations(
@@ -258,7 +295,8 @@ class Robot:
         inputs = (p, Q, s, theta, twist, rates, theta_dot, twist_rate, accelerations)
         return self._answer("joint_accelerations", inputs, options)
 
-    # -- passive joints and singularities -----------------------------------------------------------------------
+    # -- passive joints and singularities
+    # -----------------------------------------------------------------------
 
     def passive_joints(
         self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
@@ -272,12 +310,15 @@ class Robot:
         """(type_1, factors, type_2, margins): det M_i, its factors, the factors of det J, and margins."""
         return self._answer("singularity", (p, Q, s, theta), options)
 
-    # -- how a call is made -------------------------------------------------------------------------------------
+    # -- how a call is made
+    # -------------------------------------------------------------------------------------
 
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
         """Any function by name, with its inputs in the order of `signature(function)`."""
         if function not in self.functions:
-            raise AttributeError(f"{self.identifier} has no function {function!r}; it has {', '.join(self.functions)}")
+            raise AttributeError(
+                f"{self.identifier} has no function {function!r}; it has {', '.join(self.functions)}"
+            )
         return self._answer(function, inputs, options)
 
     @cached_property
@@ -304,7 +345,9 @@ class Robot:
     def _check_shapes(self, signature: Signature, arrays: Sequence[Any]) -> None:
         if len(arrays) != len(signature.inputs):
             names = ", ".join(port.name for port in signature.inputs)
-            raise TypeError(f"{signature.name} takes {len(signature.inputs)} arrays ({names}), got {len(arrays)}")
+            raise TypeError(
+                f"{signature.name} takes {len(signature.inputs)} arrays ({names}), got {len(arrays)}"
+            )
         batches = []
         for port, array in zip(signature.inputs, arrays, strict=True):
             core = len(port.shape)
@@ -317,7 +360,9 @@ class Robot:
         try:
             np.broadcast_shapes(*batches)
         except ValueError:
-            given = ", ".join(f"{port.name} {batch}" for port, batch in zip(signature.inputs, batches, strict=True))
+            given = ", ".join(
+                f"{port.name} {batch}" for port, batch in zip(signature.inputs, batches, strict=True)
+            )
             raise ValueError(
                 f"{self.identifier}.{signature.name}: batch dimensions do not broadcast: {given}"
             ) from None
@@ -332,9 +377,11 @@ class Robot:
             if np.any(bad):
                 index = tuple(int(i) for i in np.unravel_index(np.argmax(bad), np.shape(bad)))
                 raise InvalidInput(
-                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q - I| is "
+                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q -"
+                    " I| is "
                     f"{float(error[index]):.3g} (tolerance {ROTATION_TOLERANCE:g}), det Q = "
-                    f"{float(np.linalg.det(array)[index]):.3g}; make it orthonormal, or pass check_rotation=False",
+                    f"{float(np.linalg.det(array)[index]):.3g}; make it orthonormal, or pass "
+                    "check_rotation=False",
                     index,
                 )
 
@@ -349,7 +396,8 @@ class Robot:
         if code in (Status.UNREACHABLE_LEG_1, Status.UNREACHABLE_LEG_2, Status.UNREACHABLE_LEG_3):
             leg, distance = int(code), self._distance(signature, arrays, status, index, int(code))
             raise Unreachable(
-                f"{where}: leg {leg} cannot reach its end point; it is {distance:.6g} out of reach. Change the pose, the "
+                f"{where}: leg {leg} cannot reach its end point; it is {distance:.6g} out of reach. "
+                "Change the pose, the "
                 "redundant coordinate of that leg, or the working mode",
                 leg,
                 distance,
@@ -369,8 +417,10 @@ class Robot:
             full = np.broadcast_to(array, (*np.shape(status), *port.shape))
             picked.append(full[index])
         by_name = dict(zip(names, picked, strict=True))
-        signs = by_name.get("mode", self._signs(None, self._module.MODES, self._module.DEFAULT_MODE, "working mode"))
-        excess, _ = self._backend.call("inverse_status", (picked[0], picked[1], by_name["redundant"], signs), None)
+        signs = by_name.get("mode", self.mode_signs())
+        excess, _ = self._backend.call(
+            "inverse_status", (picked[0], picked[1], by_name["redundant"], signs), None
+        )
         return float(np.asarray(excess)[leg - 1])
 
     def _signs(
@@ -382,13 +432,16 @@ class Robot:
             unknown = [label for label in labels if label not in table]
             if unknown or len(labels) != 3:
                 raise UnknownBranch(
-                    f"{self.identifier}: {branch!r} is not a {what}; give one of {', '.join(table)}, or one for each of the "
+                    f"{self.identifier}: {branch!r} is not a {what}; give one of {', '.join(table)}, or "
+                    "one for each of the "
                     "three legs"
                 )
             return np.array([table[str(label)] for label in labels], dtype=float)
         signs = np.asarray(branch, dtype=float)
         if not np.isin(signs, (-1.0, 1.0)).all():
-            raise UnknownBranch(f"{self.identifier}: the signs of a {what} are +1 or -1, got {signs.tolist()}")
+            raise UnknownBranch(
+                f"{self.identifier}: the signs of a {what} are +1 or -1, got {signs.tolist()}"
+            )
         return signs
 
     @staticmethod
@@ -408,7 +461,9 @@ class CasadiFunctions:
         except ModuleNotFoundError as error:
             if error.name != "casadi":
                 raise
-            raise ModuleNotFoundError("CasADi is not installed: pip install 'krhpr[casadi]'", name="casadi") from None
+            raise ModuleNotFoundError(
+                "CasADi is not installed: pip install 'krhpr[casadi]'", name="casadi"
+            ) from None
         self._geometry = geometry
         self._made: dict[tuple[str, bool], Any] = {}
 
@@ -447,7 +502,9 @@ _MEANING = {
     Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
     Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
     Status.SINGULAR_LEG_3: "a factor of det M_3 vanishes",
-    Status.SINGULAR_IN_PLANE: "det J_a = 0: the lines in the platform's plane meet in a point or are parallel",
+    Status.SINGULAR_IN_PLANE: (
+        "det J_a = 0: the lines in the platform's plane meet in a point or are parallel"
+    ),
     Status.SINGULAR_NORMAL: "det J_n = 0: the three end points are collinear",
     Status.NO_CONVERGENCE: "an iteration did not converge",
     Status.AMBIGUOUS: "several answers cannot be told apart",

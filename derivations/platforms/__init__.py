@@ -1,0 +1,1 @@
+"""Platform arrangements, one file each (Fig. 2.1)."""

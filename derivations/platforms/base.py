@@ -1,12 +1,14 @@
 """What a platform arrangement is: how three sub-leg end points hold the platform (Fig. 2.1).
 
-An arrangement's file states, for one leg: its geometry, the end point from pose and redundant coordinate and back, the
-constraint equations, the lines (wrenches) that they stand for, the velocity of the end point, and the redundant link's
-frame.  Rows of J and K, accelerations, the solution of J t = K theta_dot and the factors of det J follow here.
+An arrangement's file states, for one leg: its geometry, the end point from pose and redundant coordinate and
+back, the constraint equations, the lines (wrenches) that they stand for, the velocity of the end point, and
+the redundant link's frame.  Rows of J and K, accelerations, the solution of J t = K theta_dot and the factors
+of det J follow here.
 
-Each leg gives the platform one line in its plane (along the redundant link for arrangement (a), across the slide for (b) and
-(c)) and, in space, one line along the normal q_z through S_i.  In the platform frame J is block triangular, so that
-det J = det J_a det J_n with J_a = [direction, moment about O'] and J_n = [1, y_i, -x_i] (errata, 4).
+Each leg gives the platform one line in its plane (along the redundant link for arrangement (a), across the
+slide for (b) and (c)) and, in space, one line along the normal q_z through S_i.  In the platform frame J is
+block triangular, so that det J = det J_a det J_n with J_a = [direction, moment about O'] and J_n = [1, y_i,
+-x_i] (errata, 4).
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ STACKED = Layout.STACKED
 
 @dataclass(frozen=True)
 class Pose:
-    """Position and orientation as they stand in formulas: p and the rotation matrix Q (2 x 2 in the plane)."""
+    """Position and orientation as they stand in formulas: p and the rotation matrix Q (2 x 2 in the
+    plane).
+    """
 
     p: sp.Matrix
     Q: sp.Matrix
@@ -47,7 +51,8 @@ class Platform(ABC):
     type_2_doc: str
     margins_doc: str
 
-    # -- what an arrangement's file states ----------------------------------------------------------------------
+    # -- what an arrangement's file states
+    # ----------------------------------------------------------------------
 
     @abstractmethod
     def geometry(self) -> GeometryType:
@@ -74,8 +79,12 @@ class Platform(ABC):
         """A vector from O' to a point of that line, in the base frame."""
 
     @abstractmethod
-    def end_velocity(self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any) -> sp.Matrix:
-        """s_dot from `carried`, the velocity of the platform's point at S_i, and the redundant coordinate's rate."""
+    def end_velocity(
+        self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any
+    ) -> sp.Matrix:
+        """s_dot from `carried`, the velocity of the platform's point at S_i, and the redundant coordinate's
+        rate.
+        """
 
     @abstractmethod
     def joint(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
@@ -83,7 +92,9 @@ class Platform(ABC):
 
     @abstractmethod
     def margins(self, k: KernelWriter, det_a: Any, det_n: Any, scale: sp.Matrix) -> list[Any]:
-        """Type II margins, positive inside the working box, from the factors of det J and the legs' `scale`."""
+        """Type II margins, positive inside the working box, from the factors of det J and the legs'
+        `scale`.
+        """
 
     @abstractmethod
     def scale(self, k: KernelWriter) -> list[Any]:
@@ -93,9 +104,11 @@ class Platform(ABC):
     def closed_form(self, k: KernelWriter, redundant: list[Any], geometry: list[Any]) -> list[Any]:
         """det J_a (and det J_n in space) as the closed form in the redundant coordinates, for the proof."""
 
-    # -- what follows -------------------------------------------------------------------------------------------
+    # -- what follows
+    # -------------------------------------------------------------------------------------------
 
     def ports(self) -> PlatformPorts:
+        """The ports of its kernels."""
         return PlatformPorts(self)
 
     def kernels(self) -> tuple[Kernel, ...]:
@@ -116,14 +129,21 @@ class Platform(ABC):
             self._type_2(),
         )
 
-    def _begin(self, name: str, doc: str, equations: str = "", *, s: bool = True) -> tuple[KernelWriter, Pose, Any]:
+    def _begin(
+        self, name: str, doc: str, equations: str = "", *, s: bool = True
+    ) -> tuple[KernelWriter, Pose, Any]:
         k = KernelWriter(name, doc, equations, self.geometry())
         ports = self.ports()
         pose = Pose(k.add_input(ports.p), k.add_input(ports.Q))
         return k, pose, k.add_input(ports.s) if s else None
 
     def _end_point(self) -> Kernel:
-        k, pose, _ = self._begin("end_point", f"End point of the sub-leg, arrangement ({self.arrangement}).", "(1.37), 2.5", s=False)
+        k, pose, _ = self._begin(
+            "end_point",
+            f"End point of the sub-leg, arrangement ({self.arrangement}).",
+            "(1.37), 2.5",
+            s=False,
+        )
         ports = self.ports()
         k.add_output(ports.s, self.end_point(k, pose, k.add_input(ports.redundant)))
         return k.kernel()
@@ -139,7 +159,9 @@ class Platform(ABC):
         return k.kernel()
 
     def _rows(self) -> Kernel:
-        k, pose, s = self._begin("rows", "Rows of J, and the directions N with J t = N s_dot.", "(1.31), (2.28)")
+        k, pose, s = self._begin(
+            "rows", "Rows of J, and the directions N with J t = N s_dot.", "(1.31), (2.28)"
+        )
         ports = self.ports()
         jacobian, directions = self._write_rows(k, pose, s)
         k.add_output(ports.J, jacobian)
@@ -158,7 +180,9 @@ class Platform(ABC):
 
     def _line(self) -> Kernel:
         k, pose, s = self._begin(
-            "line", "The leg's line in the platform frame (direction, moment about O'), its end point there, and N.", "(1.33), (1.34)"
+            "line",
+            "The leg's line in the platform frame (direction, moment about O'), its end point there, and N.",
+            "(1.33), (1.34)",
         )
         ports = self.ports()
         along = k.let("a", self.direction(k, pose, s))
@@ -182,7 +206,9 @@ class Platform(ABC):
 
     def _end_velocity(self) -> Kernel:
         k, pose, s = self._begin(
-            "end_velocity", "Velocity of the end point from the platform's twist and the redundant coordinate's rate.", "(1.37) differentiated"
+            "end_velocity",
+            "Velocity of the end point from the platform's twist and the redundant coordinate's rate.",
+            "(1.37) differentiated",
         )
         ports = self.ports()
         twist, rate = k.add_input(ports.twist), k.add_input(ports.redundant_rate)
@@ -204,13 +230,20 @@ class Platform(ABC):
         return {"p": twist[:3, 0], "Q": sp.Matrix.hstack(*(cross(omega, pose.Q.col(j)) for j in range(3)))}
 
     def _end_acceleration(self, velocity: Kernel) -> Kernel:
-        k, pose, s = self._begin("end_acceleration", "Velocity and acceleration of the end point from those of the platform.")
+        k, pose, s = self._begin(
+            "end_acceleration", "Velocity and acceleration of the end point from those of the platform."
+        )
         ports = self.ports()
         twist, rate = k.add_input(ports.twist), k.add_input(ports.redundant_rate)
         twist_rate, acceleration = k.add_input(ports.twist_rate), k.add_input(ports.redundant_acceleration)
         arguments = {"p": pose.p, "Q": pose.Q, "s": s, "twist": twist, "redundant_rate": rate}
         s_dot = k.call(velocity, **arguments).s_dot
-        directions = {**self._pose_rates(k, pose, twist), "s": s_dot, "twist": twist_rate, "redundant_rate": acceleration}
+        directions = {
+            **self._pose_rates(k, pose, twist),
+            "s": s_dot,
+            "twist": twist_rate,
+            "redundant_rate": acceleration,
+        }
         value, derivative = k.call_tangent(velocity, "s_dot", arguments, directions)
         k.add_output(ports.s_dot, value)
         k.add_output(ports.s_ddot, derivative)
@@ -218,7 +251,9 @@ class Platform(ABC):
 
     def _row_bias(self, rows: Kernel) -> Kernel:
         k, pose, s = self._begin(
-            "row_bias", "J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated."
+            "row_bias",
+            "J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when "
+            "it is differentiated.",
         )
         ports = self.ports()
         twist, s_dot = k.add_input(ports.twist), k.add_input(ports.s_dot)
@@ -230,7 +265,9 @@ class Platform(ABC):
         return k.kernel()
 
     def _joint(self) -> Kernel:
-        k, pose, s = self._begin("joint", "Orientation of the redundant link and the joint that ties it to the platform.")
+        k, pose, s = self._begin(
+            "joint", "Orientation of the redundant link and the joint that ties it to the platform."
+        )
         ports = self.ports()
         k.add_output(ports.link, self.joint(k, pose, s))
         k.add_output(ports.platform_joint, self.redundant(k, pose, s))
@@ -238,7 +275,11 @@ class Platform(ABC):
 
     def _solve(self) -> Kernel:
         """J t = r for the twist, in the platform frame where J is block triangular; exact for any s."""
-        k = KernelWriter("solve", "The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.", "(1.30)")
+        k = KernelWriter(
+            "solve",
+            "The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.",
+            "(1.30)",
+        )
         ports = self.ports()
         Q = k.add_input(ports.Q)
         lines, points = _legs(k, ports.line), _legs(k, ports.point)
@@ -256,9 +297,13 @@ class Platform(ABC):
         scaled, det_n = solve3(normal, sp.Matrix([rate[1] for rate in rates]))
         inverse_n = k.let("inv_n", 1 / k.let("det_n", det_n))
         v_z, w_x, w_y = k.let("n_l", scaled * inverse_n, "v_z, omega_x, omega_y in the platform frame")
-        # rows in the plane, (1.34); what the lines have out of the plane (s off the platform's plane) moves to the right
+        # rows in the plane, (1.34); what the lines have out of the plane (s off the platform's plane) moves
+        # to the right
         in_plane = sp.Matrix([[line[0], line[1], line[5]] for line in lines])
-        right = [rate[0] - line[2] * v_z - line[3] * w_x - line[4] * w_y for line, rate in zip(lines, rates, strict=True)]
+        right = [
+            rate[0] - line[2] * v_z - line[3] * w_x - line[4] * w_y
+            for line, rate in zip(lines, rates, strict=True)
+        ]
         scaled, det_a = solve3(in_plane, k.let("r_a", sp.Matrix(right)))
         inverse_a = k.let("inv_a", 1 / k.let("det_a", det_a))
         v_x, v_y, w_z = k.let("a_l", scaled * inverse_a, "v_x, v_y, omega_z in the platform frame")
@@ -266,8 +311,12 @@ class Platform(ABC):
         self._regularity(k, det_a, det_n, lines, points)
         return k.kernel()
 
-    def _regularity(self, k: KernelWriter, det_a: Any, det_n: Any, lines: list[Any], points: list[Any]) -> None:
-        """Squares of the factors of det J over bounds that they cannot exceed: dimensionless, zero when singular."""
+    def _regularity(
+        self, k: KernelWriter, det_a: Any, det_n: Any, lines: list[Any], points: list[Any]
+    ) -> None:
+        """Squares of the factors of det J over bounds that they cannot exceed: dimensionless, zero when
+        singular.
+        """
         directions = [k.let(f"d2_{i}", line[0] ** 2 + line[1] ** 2) for i, line in enumerate(lines)]
         size = k.let("size", sum(dot(point, point) for point in points), "sum of |S_i - O'|^2")
         value_a = det_a**2 / (directions[0] * directions[1] * directions[2] * size)
@@ -283,8 +332,12 @@ class Platform(ABC):
             k.add_output(ports.type_2, [det_a])
             k.add_output(ports.margins, self.margins(k, det_a, None, sp.Matrix.hstack(*scale).T))
             return k.kernel()
-        det_a = k.let("det_a", determinant3(sp.Matrix([[line[0], line[1], line[5]] for line in lines])), "det J_a")
-        det_n = k.let("det_n", determinant3(sp.Matrix([[1, point[1], -point[0]] for point in points])), "det J_n")
+        det_a = k.let(
+            "det_a", determinant3(sp.Matrix([[line[0], line[1], line[5]] for line in lines])), "det J_a"
+        )
+        det_n = k.let(
+            "det_n", determinant3(sp.Matrix([[1, point[1], -point[0]] for point in points])), "det J_n"
+        )
         k.add_output(ports.type_2, [det_a, det_n])
         k.add_output(ports.margins, self.margins(k, det_a, det_n, sp.Matrix.hstack(*scale).T))
         return k.kernel()
@@ -308,31 +361,69 @@ class PlatformPorts:
         self.p = Port("p", (d,), Unit.METRE, Frame.BASE, "position of O'")
         self.Q = Port("Q", (d, d), Unit.NONE, Frame.BASE, "orientation, base from platform")
         self.s = Port("s", (d,), Unit.METRE, Frame.BASE, "end points of the sub-legs", STACKED)
-        self.redundant = Port("redundant", (), Unit.RADIAN if angle else Unit.METRE, Frame.JOINT, joint.doc, STACKED)
+        self.redundant = Port(
+            "redundant", (), Unit.RADIAN if angle else Unit.METRE, Frame.JOINT, joint.doc, STACKED
+        )
         self.redundant_rate = Port(
             "redundant_rate", (), Unit.ACTUATOR_RATE, Frame.JOINT, f"rate of {joint.name}", STACKED
         )
         self.redundant_acceleration = Port(
-            "redundant_acceleration", (), Unit.ACTUATOR_ACCELERATION, Frame.JOINT, f"second rate of {joint.name}", STACKED
+            "redundant_acceleration",
+            (),
+            Unit.ACTUATOR_ACCELERATION,
+            Frame.JOINT,
+            f"second rate of {joint.name}",
+            STACKED,
         )
         self.platform_joint = Port("platform_joint", (), self.redundant.unit, Frame.JOINT, joint.doc, STACKED)
-        self.residual = Port("residual", (rows,), Unit.MIXED, Frame.NONE, "residuals of the constraint equations", Layout.ROWS)
-        self.J = Port("J", (rows, f), Unit.MIXED, Frame.BASE, "Jacobian of the platform, rows in the order of (1.31)", Layout.ROWS)
+        self.residual = Port(
+            "residual", (rows,), Unit.MIXED, Frame.NONE, "residuals of the constraint equations", Layout.ROWS
+        )
+        self.J = Port(
+            "J",
+            (rows, f),
+            Unit.MIXED,
+            Frame.BASE,
+            "Jacobian of the platform, rows in the order of (1.31)",
+            Layout.ROWS,
+        )
         self.N = Port("N", (rows, d), Unit.MIXED, Frame.BASE, "directions of the leg's lines, rows", STACKED)
         twist = "twist [p_dot, omega]" if spatial else "twist [p_dot, phi_dot]"
         self.twist = Port("twist", (f,), Unit.TWIST, Frame.BASE, twist)
         self.twist_rate = Port("twist_rate", (f,), Unit.TWIST_RATE, Frame.BASE, "rate of the twist")
-        self.s_dot = Port("s_dot", (d,), Unit.METRE_PER_SECOND, Frame.BASE, "velocities of the end points", STACKED)
-        self.s_ddot = Port("s_ddot", (d,), Unit.METRE_PER_SECOND_SQUARED, Frame.BASE, "accelerations of the end points", STACKED)
+        self.s_dot = Port(
+            "s_dot", (d,), Unit.METRE_PER_SECOND, Frame.BASE, "velocities of the end points", STACKED
+        )
+        self.s_ddot = Port(
+            "s_ddot",
+            (d,),
+            Unit.METRE_PER_SECOND_SQUARED,
+            Frame.BASE,
+            "accelerations of the end points",
+            STACKED,
+        )
         self.bias = Port("bias", (rows,), Unit.MIXED, Frame.NONE, "N_dot s_dot - J_dot t", STACKED)
         self.rate = Port("rate", (rows,), Unit.MIXED, Frame.NONE, "N s_dot", STACKED)
-        self.line = Port("line", (6 if spatial else 3,), Unit.MIXED, Frame.PLATFORM, "direction and moment about O'", STACKED)
+        self.line = Port(
+            "line",
+            (6 if spatial else 3,),
+            Unit.MIXED,
+            Frame.PLATFORM,
+            "direction and moment about O'",
+            STACKED,
+        )
         self.point = Port("point", (2,), Unit.METRE, Frame.PLATFORM, "S_i in the platform's plane", STACKED)
-        self.scale = Port("scale", (2,), Unit.METRE, Frame.NONE, "lengths that make margins dimensionless", STACKED)
+        self.scale = Port(
+            "scale", (2,), Unit.METRE, Frame.NONE, "lengths that make margins dimensionless", STACKED
+        )
         link = (3, 3) if spatial else (2,)
-        self.link = Port("redundant_link", link, Unit.NONE, Frame.BASE, "orientation of the redundant link", STACKED)
+        self.link = Port(
+            "redundant_link", link, Unit.NONE, Frame.BASE, "orientation of the redundant link", STACKED
+        )
         count = 2 if spatial else 1
         names = ("det J_a", "det J_n")[:count]
         self.type_2 = Port("type_2", (count,), Unit.MIXED, Frame.PLATFORM, "factors of det J", labels=names)
         self.margins = Port("margins", (count,), Unit.MIXED, Frame.NONE, platform.margins_doc, labels=names)
-        self.regularity = Port("regularity", (count,), Unit.NONE, Frame.NONE, "squared, scaled factors of det J")
+        self.regularity = Port(
+            "regularity", (count,), Unit.NONE, Frame.NONE, "squared, scaled factors of det J"
+        )

@@ -1,4 +1,5 @@
-"""Arrangement (a) in the plane (Fig. 2.2): a redundant link from the sub-leg's end point to a revolute joint B_i.
+"""Arrangement (a) in the plane (Fig. 2.2): a redundant link from the sub-leg's end point to a revolute joint
+B_i.
 
 r_i = p + Q (b_i + l R(-beta_i) nu_i) with nu_i = -b_i / |b_i|: the same link and the same beta_i as in space.
 """
@@ -40,7 +41,10 @@ class PlanarA(Platform):
         return GeometryType("platform_planar_a", self.doc, FIELDS, k.kernel())
 
     def end_point(self, k: KernelWriter, pose: Pose, redundant: Any) -> sp.Matrix:
-        along_r, along_t = k.let("l_c", k.g.l_r * sp.cos(redundant)), k.let("l_s", k.g.l_r * sp.sin(redundant))
+        along_r, along_t = (
+            k.let("l_c", k.g.l_r * sp.cos(redundant)),
+            k.let("l_s", k.g.l_r * sp.sin(redundant)),
+        )
         e_r = k.g.e_r
         local = k.let("r_l", k.g.b - along_r * e_r + along_t * (E * e_r), "r_i in the platform frame")
         return pose.p + pose.Q * local
@@ -61,7 +65,9 @@ class PlanarA(Platform):
     def anchor(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         return k.let("Qb", pose.Q * k.g.b, "Q b_i")
 
-    def end_velocity(self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any) -> sp.Matrix:
+    def end_velocity(
+        self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any
+    ) -> sp.Matrix:
         a = k.let("a", self.direction(k, pose, s), "(2.3)")
         return carried + rate * (E * a)
 

@@ -1,8 +1,9 @@
-"""Arrangement (a) in space (Fig. 2.1a): a redundant link from S_i to a revolute joint B_i normal to the platform.
+"""Arrangement (a) in space (Fig. 2.1a): a redundant link from S_i to a revolute joint B_i normal to the
+platform.
 
-B_i = R_p e_r and S_i = B_i + l (-cos(beta_i) e_r + sin(beta_i) e_t) in the platform frame: beta_i is measured at B_i from the
-inward ray, clockwise seen from +z' (the edge angle of Chapter 3 is beta_i - 30 deg for an equilateral platform).
-The redundant link is l_i7 of Chapter 1 and l_i4 of Chapters 2 to 4; here it is `l_r`.
+B_i = R_p e_r and S_i = B_i + l (-cos(beta_i) e_r + sin(beta_i) e_t) in the platform frame: beta_i is measured
+at B_i from the inward ray, clockwise seen from +z' (the edge angle of Chapter 3 is beta_i - 30 deg for an
+equilateral platform). The redundant link is l_i7 of Chapter 1 and l_i4 of Chapters 2 to 4; here it is `l_r`.
 """
 
 from __future__ import annotations
@@ -23,14 +24,20 @@ FIELDS = (
     GeometryField("l_r", Unit.METRE, "redundant link (l_i7 in Chapter 1, l_i4 later)", positive=True),
 )
 
-BETA = Joint("beta", JointKind.REVOLUTE, "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'")
+BETA = Joint(
+    "beta",
+    JointKind.REVOLUTE,
+    "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'",
+)
 
 
 def revolute_factors(redundant: list[Any], geometry: list[Any]) -> Any:
-    """det J_a of arrangement (a) in closed form: -l_1 l_2 l_3 sum_k R_k sin(beta_k) sin(gamma_j - gamma_i), (i, j, k) cyclic.
+    """det J_a of arrangement (a) in closed form: -l_1 l_2 l_3 sum_k R_k sin(beta_k) sin(gamma_j - gamma_i),
+    (i, j, k) cyclic.
 
-    gamma_i = azimuth_i - beta_i + pi is the direction of the redundant link from B_i.  For an equilateral platform and equal
-    lengths this is -l^3 r f with f = sum sin(beta_i) sin(120 deg + beta_{i+1} - beta_{i+2}) (errata, 4).
+    gamma_i = azimuth_i - beta_i + pi is the direction of the redundant link from B_i.  For an equilateral
+    platform and equal lengths this is -l^3 r f with f = sum sin(beta_i) sin(120 deg + beta_{i+1} -
+    beta_{i+2}) (errata, 4).
     """
     lengths = [g.l_r for g in geometry]
     gamma = [g.platform_azimuth - beta for g, beta in zip(geometry, redundant, strict=True)]
@@ -49,14 +56,19 @@ class SpatialA(Platform):
     space = Space.SPATIAL
     notation = "SR"
     section = "1.3, 2.3"
-    doc = "Redundant links from the spherical joints to revolute joints whose axes are normal to the platform."
+    doc = (
+        "Redundant links from the spherical joints to revolute joints whose axes are normal to the platform."
+    )
     redundant_joint = BETA
     equations = "(1.1), (1.2)"
     type_2_doc = (
-        "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 "
+        "Singular where the three redundant links' lines meet in a point or are parallel (det"
+        " J_a = 0), or where S_1, S_2, S_3 "
         "are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."
     )
-    margins_doc = "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"
+    margins_doc = (
+        "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"
+    )
 
     def geometry(self) -> GeometryType:
         k = KernelWriter("prepare", "Vectors and sub-expressions that depend on the geometry alone.")
@@ -67,11 +79,19 @@ class SpatialA(Platform):
         return GeometryType("platform_spatial_a", self.doc, FIELDS, k.kernel())
 
     def end_point(self, k: KernelWriter, pose: Pose, redundant: Any) -> sp.Matrix:
-        along_r, along_t = k.let("l_c", k.g.l_r * sp.cos(redundant)), k.let("l_s", k.g.l_r * sp.sin(redundant))
+        along_r, along_t = (
+            k.let("l_c", k.g.l_r * sp.cos(redundant)),
+            k.let("l_s", k.g.l_r * sp.sin(redundant)),
+        )
         e_r = k.g.e_r
         local = k.let(
             "s_l",
-            sp.Matrix([k.g.b[0] - along_r * e_r[0] - along_t * e_r[1], k.g.b[1] - along_r * e_r[1] + along_t * e_r[0]]),
+            sp.Matrix(
+                [
+                    k.g.b[0] - along_r * e_r[0] - along_t * e_r[1],
+                    k.g.b[1] - along_r * e_r[1] + along_t * e_r[0],
+                ]
+            ),
             "S_i in the platform frame",
         )
         return pose.p + pose.Q[:, :2] * local
@@ -93,7 +113,9 @@ class SpatialA(Platform):
     def anchor(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         return k.let("Qb", pose.Q[:, :2] * k.g.b, "Q b_i")
 
-    def end_velocity(self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any) -> sp.Matrix:
+    def end_velocity(
+        self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any
+    ) -> sp.Matrix:
         # beta grows clockwise seen from +z': S_i turns about B_i with -beta_dot q_z
         a = k.let("a", self.direction(k, pose, s), "(1.4)")
         return carried + rate * cross(pose.Q.col(2), a)
@@ -112,7 +134,13 @@ class SpatialA(Platform):
 
     def closed_form(self, k: KernelWriter, redundant: list[Any], geometry: list[Any]) -> list[Any]:
         # det J_n = twice the signed area of S_1 S_2 S_3
-        x = [g.R_p * sp.cos(g.platform_azimuth) - g.l_r * sp.cos(g.platform_azimuth - b) for g, b in zip(geometry, redundant, strict=True)]
-        y = [g.R_p * sp.sin(g.platform_azimuth) - g.l_r * sp.sin(g.platform_azimuth - b) for g, b in zip(geometry, redundant, strict=True)]
+        x = [
+            g.R_p * sp.cos(g.platform_azimuth) - g.l_r * sp.cos(g.platform_azimuth - b)
+            for g, b in zip(geometry, redundant, strict=True)
+        ]
+        y = [
+            g.R_p * sp.sin(g.platform_azimuth) - g.l_r * sp.sin(g.platform_azimuth - b)
+            for g, b in zip(geometry, redundant, strict=True)
+        ]
         area = sum((x[i] * y[(i + 1) % 3] - x[(i + 1) % 3] * y[i] for i in range(3)), sp.Integer(0))
         return [revolute_factors(redundant, geometry), area]

@@ -1,6 +1,7 @@
 """Arrangement (c) in space (Fig. 2.1c): S_i slides along a radial line through O'.
 
-S_i = d_i t_i with t_i = e_r along the slide and n_i = e_t across it, both in the platform frame; d_i is signed.
+S_i = d_i t_i with t_i = e_r along the slide and n_i = e_t across it, both in the platform frame; d_i is
+signed.
 """
 
 from __future__ import annotations
@@ -30,15 +31,23 @@ class SpatialC(Platform):
     redundant_joint = Joint("d", JointKind.PRISMATIC, "slide d_i of S_i along t_i = e_r, from O', signed")
     equations = "(2.30), (2.31)"
     type_2_doc = (
-        "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only "
-        "with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."
+        "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis "
+        "says completely free, which holds only "
+        "with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = "
+        "(sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."
     )
     margins_doc = "det J_a (m) and det J_n (m^2): positive while all d_i > 0"
 
     def geometry(self) -> GeometryType:
         k = KernelWriter("prepare", "Vectors and sub-expressions that depend on the geometry alone.")
         azimuth = k.input(FIELDS[0].name, (), FIELDS[0].unit, doc=FIELDS[0].doc)
-        k.output("t", sp.Matrix([sp.cos(azimuth), sp.sin(azimuth)]), Unit.NONE, Frame.PLATFORM, "t_i, along the slide")
+        k.output(
+            "t",
+            sp.Matrix([sp.cos(azimuth), sp.sin(azimuth)]),
+            Unit.NONE,
+            Frame.PLATFORM,
+            "t_i, along the slide",
+        )
         return GeometryType("platform_spatial_c", self.doc, FIELDS, k.kernel())
 
     def end_point(self, k: KernelWriter, pose: Pose, redundant: Any) -> sp.Matrix:
@@ -57,7 +66,9 @@ class SpatialC(Platform):
     def anchor(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         return s - pose.p
 
-    def end_velocity(self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any) -> sp.Matrix:
+    def end_velocity(
+        self, k: KernelWriter, pose: Pose, s: sp.Matrix, carried: sp.Matrix, rate: Any
+    ) -> sp.Matrix:
         return carried + rate * self._slide(k, pose)
 
     def joint(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
@@ -73,7 +84,9 @@ class SpatialC(Platform):
         azimuth = [g.platform_azimuth for g in geometry]
         turned = [sp.sin(azimuth[(i + 2) % 3] - azimuth[(i + 1) % 3]) for i in range(3)]
         det_a = sum((redundant[i] * turned[i] for i in range(3)), sp.Integer(0))
-        det_n = sum((redundant[(i + 1) % 3] * redundant[(i + 2) % 3] * turned[i] for i in range(3)), sp.Integer(0))
+        det_n = sum(
+            (redundant[(i + 1) % 3] * redundant[(i + 2) % 3] * turned[i] for i in range(3)), sp.Integer(0)
+        )
         return [det_a, det_n]
 
     def _slide(self, k: KernelWriter, pose: Pose) -> sp.Matrix:

@@ -1,0 +1,1 @@
+"""Sub-legs, one file each, with one interface (`base.SubLeg`)."""

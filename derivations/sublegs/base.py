@@ -1,14 +1,17 @@
 """What a sub-leg is: the interface that one file per sub-leg implements.
 
-A sub-leg carries the end point S_i (r_i in the plane).  Its file states six things, and everything else (the Jacobian
-M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them here, on the graph:
+A sub-leg carries the end point S_i (r_i in the plane).  Its file states six things, and everything else (the
+Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them here,
+on the graph:
 
 * `geometry`: the lengths that a person sets and the vectors prepared from them;
 * `forward`: actuated joints and assembly mode -> end point;
 * `inverse`: end point and the signs of a working mode -> actuated joints;
-* `posture`: the vectors of the leg that velocities depend on (x, e_2, u_1, ...), from a consistent pair (s, theta), so
+* `posture`: the vectors of the leg that velocities depend on (x, e_2, u_1, ...), from a consistent pair (s,
+theta), so
   that sines and cosines are computed once however many kernels follow;
-* `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F of the leg, as (1.9), with
+* `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F of the leg, as
+(1.9), with
   the dimensionless factors whose zeros are the leg's singularities;
 * `passive`: passive joint angles and the direction of the link that carries the end point.
 
@@ -39,10 +42,12 @@ class Space(StrEnum):
 
     @property
     def dimension(self) -> int:
+        """Dimension of the space in which the platform moves."""
         return 3 if self is Space.SPATIAL else 2
 
     @property
     def degrees_of_freedom(self) -> int:
+        """The platform's degrees of freedom."""
         return 6 if self is Space.SPATIAL else 3
 
     @property
@@ -107,8 +112,8 @@ class Factor:
 class VelocityEquations:
     """A (F^T s_dot) = B theta_dot, (1.9), in the leg's frame F (orthonormal, columns in the base frame).
 
-    `serial` are the factors of det B (type I singularities), `parallel` those of det A (type II of the sub-leg);
-    `determinant` is det M_i in closed form.
+    `serial` are the factors of det B (type I singularities), `parallel` those of det A (type II of the sub-
+    leg); `determinant` is det M_i in closed form.
     """
 
     F: sp.Matrix
@@ -123,8 +128,8 @@ class VelocityEquations:
 class Passive:
     """Passive joints of a sub-leg: angles, and the frame of the link that carries the end point.
 
-    `link` is a rotation matrix (columns: along the link towards S_i, completing, normal of the linkage plane) in space,
-    and the unit vector along the link in the plane.
+    `link` is a rotation matrix (columns: along the link towards S_i, completing, normal of the linkage plane)
+    in space, and the unit vector along the link in the plane.
     """
 
     angles: tuple[tuple[Joint, Any], ...]
@@ -137,7 +142,9 @@ Posture = dict[str, Any]
 
 @dataclass(frozen=True)
 class Forward:
-    """What the forward kinematics of a sub-leg finds; `radicand` must not be negative (None for open chains)."""
+    """What the forward kinematics of a sub-leg finds; `radicand` must not be negative (None for open
+    chains).
+    """
 
     s: sp.Matrix
     posture: Posture
@@ -160,7 +167,8 @@ class SubLeg(ABC):
     default_assembly: str = ""
     equations: str = ""
 
-    # -- what a sub-leg's file states ---------------------------------------------------------------------------
+    # -- what a sub-leg's file states
+    # ---------------------------------------------------------------------------
 
     @abstractmethod
     def geometry(self) -> GeometryType:
@@ -168,7 +176,9 @@ class SubLeg(ABC):
 
     @abstractmethod
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
-        """End point and posture from the actuated joints; `assembly` has a sign for each of `forward_signs`."""
+        """End point and posture from the actuated joints; `assembly` has a sign for each of
+        `forward_signs`.
+        """
 
     @abstractmethod
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
@@ -176,7 +186,9 @@ class SubLeg(ABC):
 
     @abstractmethod
     def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
-        """By how much s_i lies outside the leg's reach in the branch `mode` (a length; zero or negative within)."""
+        """By how much s_i lies outside the leg's reach in the branch `mode` (a length; zero or negative
+        within).
+        """
 
     @abstractmethod
     def posture_ports(self) -> tuple[Port, ...]:
@@ -198,21 +210,26 @@ class SubLeg(ABC):
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         """Loop closure equations f(s, theta) = 0 that define the leg, from which `velocity` is proven."""
 
-    # -- what follows -------------------------------------------------------------------------------------------
+    # -- what follows
+    # -------------------------------------------------------------------------------------------
 
     @property
     def n(self) -> int:
+        """Number of actuated joints of one leg."""
         return len(self.actuators)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
+        """Working modes, in the order of `inverse_all`."""
         return branches(self.inverse_signs)
 
     @property
     def assemblies(self) -> tuple[Mode, ...]:
+        """Assembly modes (one without a label for open chains)."""
         return branches(self.forward_signs)
 
     def ports(self) -> SubLegPorts:
+        """The ports of its kernels."""
         return SubLegPorts(self)
 
     def kernels(self) -> tuple[Kernel, ...]:
@@ -276,7 +293,8 @@ class SubLeg(ABC):
     def _inverse(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
             "inverse",
-            f"Actuated joints of the {self.notation} sub-leg in one working mode.  The mode is given by signs; NaN where "
+            f"Actuated joints of the {self.notation} sub-leg in one working mode.  The mode is "
+            "given by signs; NaN where "
             "the end point is out of reach.",
             self.equations,
             geometry,
@@ -305,13 +323,26 @@ class SubLeg(ABC):
 
     def _reach(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
-            "reach", f"Distance by which the end point lies outside the reach of the {self.notation} sub-leg.", "", geometry
+            "reach",
+            f"Distance by which the end point lies outside the reach of the {self.notation} sub-leg.",
+            "",
+            geometry,
         )
-        k.output("excess", self.reach(k, k.add_input(ports.s), k.add_input(ports.mode)), Unit.METRE, doc="positive out of reach")
+        k.output(
+            "excess",
+            self.reach(k, k.add_input(ports.s), k.add_input(ports.mode)),
+            Unit.METRE,
+            doc="positive out of reach",
+        )
         return k.kernel()
 
     def _jacobian(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
-        k = KernelWriter("jacobian", f"Jacobian M_i of the {self.notation} sub-leg, s_dot = M theta_dot.", "(1.16), (2.15)", geometry)
+        k = KernelWriter(
+            "jacobian",
+            f"Jacobian M_i of the {self.notation} sub-leg, s_dot = M theta_dot.",
+            "(1.16), (2.15)",
+            geometry,
+        )
         equations = self.velocity(k, self._at(k))
         local = k.let("m", _solve_columns(equations.A, equations.B), "A^-1 B in the leg's frame")
         k.add_output(ports.M, equations.F * local)
@@ -321,7 +352,8 @@ class SubLeg(ABC):
     def _project(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
             "project",
-            f"Rows of K: N M_i for the {self.notation} sub-leg, where the rows of N are the directions of the platform's lines.",
+            f"Rows of K: N M_i for the {self.notation} sub-leg, where the rows of N are the "
+            "directions of the platform's lines.",
             "(1.8), (1.28)",
             geometry,
         )
@@ -334,7 +366,12 @@ class SubLeg(ABC):
         return self._end(k)
 
     def _velocity(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
-        k = KernelWriter("velocity", f"Velocity of the end point of the {self.notation} sub-leg, M theta_dot.", "(1.9)", geometry)
+        k = KernelWriter(
+            "velocity",
+            f"Velocity of the end point of the {self.notation} sub-leg, M theta_dot.",
+            "(1.9)",
+            geometry,
+        )
         equations = self.velocity(k, self._at(k))
         right = k.let("w", equations.B * k.add_input(ports.theta_dot), "B theta_dot")
         local = k.let("v", solve_structured(equations.A, right), "velocity in the leg's frame")
@@ -345,7 +382,8 @@ class SubLeg(ABC):
     def _bias(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
             "bias",
-            f"Velocity of the end point of the {self.notation} sub-leg and the part of its acceleration that does not depend "
+            f"Velocity of the end point of the {self.notation} sub-leg and the part of its "
+            "acceleration that does not depend "
             "on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.",
             "",
             geometry,
@@ -371,7 +409,8 @@ class SubLeg(ABC):
     def _rates(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
             "rates",
-            f"Actuated joint rates of the {self.notation} sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so "
+            f"Actuated joint rates of the {self.notation} sub-leg from the velocity of its end "
+            "point: B^-1 A s_dot.  Linear, so "
             "it serves accelerations too.",
             "(1.9)",
             geometry,
@@ -386,7 +425,10 @@ class SubLeg(ABC):
     def _determinant(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         names = ", ".join(name for name, _ in self.factor_names())
         k = KernelWriter(
-            "determinant", f"det M_i of the {self.notation} sub-leg and its dimensionless factors: {names}.", "1.4", geometry
+            "determinant",
+            f"det M_i of the {self.notation} sub-leg and its dimensionless factors: {names}.",
+            "1.4",
+            geometry,
         )
         equations = self.velocity(k, self._at(k))
         k.output("det_M", equations.determinant, Unit.MIXED, doc="det M_i")
@@ -396,7 +438,10 @@ class SubLeg(ABC):
 
     def _passive(self, geometry: GeometryType, ports: SubLegPorts) -> Kernel:
         k = KernelWriter(
-            "passive", f"Passive joints of the {self.notation} sub-leg and the orientation of its last link.", "", geometry
+            "passive",
+            f"Passive joints of the {self.notation} sub-leg and the orientation of its last link.",
+            "",
+            geometry,
         )
         found = self.passive(k, self._at(k))
         if found.angles:
@@ -406,7 +451,9 @@ class SubLeg(ABC):
 
     def has_parallel_factors(self) -> bool:
         """Whether the sub-leg has a closed loop, and with it configurations in which M_i does not exist."""
-        return any(port.name == "regularity" for port in self._jacobian(self.geometry(), self.ports()).outputs)
+        return any(
+            port.name == "regularity" for port in self._jacobian(self.geometry(), self.ports()).outputs
+        )
 
     def factor_names(self) -> list[tuple[str, str]]:
         """Names and meanings of the leg's singular factors, serial ones first."""
@@ -415,7 +462,9 @@ class SubLeg(ABC):
         return [(factor.name, factor.doc) for factor in (*equations.serial, *equations.parallel)]
 
     def _regularity(self, k: KernelWriter, factors: tuple[Factor, ...]) -> None:
-        """The smallest absolute factor, which the caller compares with the tolerance for singular configurations."""
+        """The smallest absolute factor, which the caller compares with the tolerance for singular
+        configurations.
+        """
         if factors:
             absolute = [k.absolute(factor.value) for factor in factors]
             worst = absolute[0] if len(absolute) == 1 else k.minimum(*absolute)
@@ -442,27 +491,66 @@ class SubLegPorts:
         self.s = Port("s", (d,), Unit.METRE, Frame.BASE, "end point of the sub-leg, S_i", stacked)
         self.theta = Port("theta", (n,), Unit.ACTUATOR, Frame.JOINT, "actuated joints", stacked, names)
         self.theta_all = Port(
-            "theta", (len(subleg.modes), n), Unit.ACTUATOR, Frame.JOINT, "actuated joints in every working mode", stacked,
+            "theta",
+            (len(subleg.modes), n),
+            Unit.ACTUATOR,
+            Frame.JOINT,
+            "actuated joints in every working mode",
+            stacked,
             tuple(mode.label for mode in subleg.modes),
         )
-        self.mode = Port("mode", (len(signs),), Unit.NONE, Frame.NONE, "signs of the working mode, +1 or -1", stacked, signs)
-        self.assembly = Port(
-            "assembly", (len(assembly),), Unit.NONE, Frame.NONE, "signs of the assembly mode, +1 or -1", stacked, assembly
+        self.mode = Port(
+            "mode",
+            (len(signs),),
+            Unit.NONE,
+            Frame.NONE,
+            "signs of the working mode, +1 or -1",
+            stacked,
+            signs,
         )
-        self.theta_dot = Port("theta_dot", (n,), Unit.ACTUATOR_RATE, Frame.JOINT, "rates of the actuated joints", stacked, names)
-        self.s_dot = Port("s_dot", (d,), Unit.METRE_PER_SECOND, Frame.BASE, "velocity of the end point", stacked)
+        self.assembly = Port(
+            "assembly",
+            (len(assembly),),
+            Unit.NONE,
+            Frame.NONE,
+            "signs of the assembly mode, +1 or -1",
+            stacked,
+            assembly,
+        )
+        self.theta_dot = Port(
+            "theta_dot", (n,), Unit.ACTUATOR_RATE, Frame.JOINT, "rates of the actuated joints", stacked, names
+        )
+        self.s_dot = Port(
+            "s_dot", (d,), Unit.METRE_PER_SECOND, Frame.BASE, "velocity of the end point", stacked
+        )
         self.bias = Port(
-            "bias", (d,), Unit.METRE_PER_SECOND_SQUARED, Frame.BASE, "acceleration of the end point at theta_ddot = 0", stacked
+            "bias",
+            (d,),
+            Unit.METRE_PER_SECOND_SQUARED,
+            Frame.BASE,
+            "acceleration of the end point at theta_ddot = 0",
+            stacked,
         )
         self.M = Port("M", (d, n), Unit.MIXED, Frame.BASE, "Jacobian of the sub-leg", stacked)
         self.N = Port("N", (rows, d), Unit.MIXED, Frame.BASE, "directions of the leg's lines, rows", stacked)
         self.K = Port("K", (rows, n), Unit.MIXED, Frame.BASE, "the leg's block of K", stacked)
         link = (3, 3) if subleg.space is Space.SPATIAL else (2,)
-        self.link = Port("link", link, Unit.NONE, Frame.BASE, "orientation of the link that carries the end point", stacked)
+        self.link = Port(
+            "link", link, Unit.NONE, Frame.BASE, "orientation of the link that carries the end point", stacked
+        )
         passive = tuple(joint.name for joint in subleg.passive_joints)
         self.passive = Port(
-            "passive", (len(passive),), Unit.RADIAN, Frame.JOINT, "passive joints within the sub-leg", stacked, passive
+            "passive",
+            (len(passive),),
+            Unit.RADIAN,
+            Frame.JOINT,
+            "passive joints within the sub-leg",
+            stacked,
+            passive,
         )
 
     def factors(self, count: int) -> Port:
-        return Port("factors", (count,), Unit.NONE, Frame.NONE, "dimensionless factors of det M_i", Layout.STACKED)
+        """The port of the factors of det M_i."""
+        return Port(
+            "factors", (count,), Unit.NONE, Frame.NONE, "dimensionless factors of det M_i", Layout.STACKED
+        )

@@ -1,9 +1,11 @@
-"""The part that the spatial sub-legs with a first revolute axis share: base joint, first axis and linkage plane.
+"""The part that the spatial sub-legs with a first revolute axis share: base joint, first axis and linkage
+plane.
 
-Leg frame (e_x, e_1, e_t), right-handed: e_1 = -cos(alpha) e_r + sin(alpha) e_z is the first axis, with alpha measured from
-the ray base joint -> O; e_t is tangential; e_x = e_1 x e_t.  Link i1 lies along the axis, c = R_b e_r + l_1 e_1.
-Turned by theta_1: x = Rot(e_1, theta_1) e_x, e_2 = Rot(e_1, theta_1) e_t.  A vector of length L at angle t in the linkage
-plane is L (x cos t + e_1 sin t), and e_2 x x = e_1, e_2 x e_1 = -x, e_1 x e_2 = x.
+Leg frame (e_x, e_1, e_t), right-handed: e_1 = -cos(alpha) e_r + sin(alpha) e_z is the first axis, with alpha
+measured from the ray base joint -> O; e_t is tangential; e_x = e_1 x e_t.  Link i1 lies along the axis, c =
+R_b e_r + l_1 e_1. Turned by theta_1: x = Rot(e_1, theta_1) e_x, e_2 = Rot(e_1, theta_1) e_t.  A vector of
+length L at angle t in the linkage plane is L (x cos t + e_1 sin t), and e_2 x x = e_1, e_2 x e_1 = -x, e_1 x
+e_2 = x.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from krhpr.derivations.vectors import cross, dot
 AXIS_FIELDS = (
     GeometryField("azimuth", Unit.RADIAN, "azimuth of the leg on the base"),
     GeometryField("R_b", Unit.METRE, "circumradius of the base", positive=True),
-    GeometryField("alpha", Unit.RADIAN, "first axis, from the ray base joint -> O; more than pi/2 leans outwards"),
+    GeometryField(
+        "alpha", Unit.RADIAN, "first axis, from the ray base joint -> O; more than pi/2 leans outwards"
+    ),
     GeometryField("l_1", Unit.METRE, "link i1, along the first axis"),
 )
 
@@ -32,7 +36,9 @@ FRAME_PORTS = (
 )
 """Posture of every sub-leg with a first axis."""
 
-SHOULDER = Sign("shoulder", "front", "back", "side of the first axis on which the linkage plane's x points to S_i")
+SHOULDER = Sign(
+    "shoulder", "front", "back", "side of the first axis on which the linkage plane's x points to S_i"
+)
 
 
 def axis_geometry(name: str, doc: str, lengths: tuple[GeometryField, ...]) -> GeometryType:
@@ -73,7 +79,8 @@ def in_plane(angle: Any) -> sp.Matrix:
 def shoulder(k: KernelWriter, s: sp.Matrix, sign: Any) -> tuple[Any, Any, Any]:
     """theta_1 and the coordinates (r, y) of S_i in the linkage plane, r having the sign given.
 
-    On the first axis (r = 0) every theta_1 serves; atan2(0, 0) = 0 is returned, and the leg is singular there.
+    On the first axis (r = 0) every theta_1 serves; atan2(0, 0) = 0 is returned, and the leg is singular
+    there.
     """
     d = k.let("d", s - k.g.c, "s - c")
     along_x, along_t = k.let("d_x", dot(d, k.g.e_x)), k.let("d_t", dot(d, k.g.e_t))
@@ -97,4 +104,5 @@ def link_frame(k: KernelWriter, at: SimpleNamespace, direction: sp.Matrix) -> sp
 
 
 def shoulder_factor(r: Any, longest: Any) -> Factor:
+    """The factor of det M_i that vanishes where S_i meets the first axis."""
     return Factor("shoulder", r / longest, "S_i on the first axis")

@@ -51,7 +51,9 @@ class RR(SubLeg):
         )
         k = KernelWriter("prepare", "Vectors and sub-expressions that depend on the geometry alone.")
         azimuth, radius, _, _ = (k.input(field.name, (), field.unit, doc=field.doc) for field in fields)
-        k.output("o", radius * sp.Matrix([sp.cos(azimuth), sp.sin(azimuth)]), Unit.METRE, Frame.BASE, "base joint")
+        k.output(
+            "o", radius * sp.Matrix([sp.cos(azimuth), sp.sin(azimuth)]), Unit.METRE, Frame.BASE, "base joint"
+        )
         return GeometryType("subleg_planar_rr", self.doc, fields, k.kernel())
 
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:

@@ -1,11 +1,13 @@
 """The hybrid sub-leg R(RR-RRR) of Chapter 1: a first axis that carries a planar five-bar linkage.
 
-Names of Chapter 1: crank u_1 (l_4) and crank u_2 (l_2) turn about the same axis through c, at angles theta_2 and theta_3
-from x; the distal link v_1 (its part next to S is l_6, the whole link l_5) hangs on u_1; the rod v_2 (l_3) joins the end of
-u_2 to the distal link:  u_1 + w = u_2 + v_2,  w = (1 - l_5/l_6) v_1,  s = c + u_1 + v_1.
+Names of Chapter 1: crank u_1 (l_4) and crank u_2 (l_2) turn about the same axis through c, at angles theta_2
+and theta_3 from x; the distal link v_1 (its part next to S is l_6, the whole link l_5) hangs on u_1; the rod
+v_2 (l_3) joins the end of u_2 to the distal link:  u_1 + w = u_2 + v_2,  w = (1 - l_5/l_6) v_1,  s = c + u_1
++ v_1.
 
-With the printed sizes the linkage is a parallelogram: at full extension A_i and B_i lose rank together and the quotient
-A_i^-1 B_i is 0/0 there.  The kernels here are those of general lengths; `regularity` says when they must not be used.
+With the printed sizes the linkage is a parallelogram: at full extension A_i and B_i lose rank together and
+the quotient A_i^-1 B_i is 0/0 there.  The kernels here are those of general lengths; `regularity` says when
+they must not be used.
 """
 
 from __future__ import annotations
@@ -52,7 +54,10 @@ class RFiveBar(SubLeg):
     space = Space.SPATIAL
     notation = "R(RR-RRR)"
     section = "1.3, App. A, App. B"
-    doc = "Hybrid sub-leg: the first axis carries a five-bar linkage whose two cranks turn about one axis normal to the first."
+    doc = (
+        "Hybrid sub-leg: the first axis carries a five-bar linkage whose two cranks turn "
+        "about one axis normal to the first."
+    )
     equations = "App. B"
     actuators = (
         Joint("theta_1", JointKind.REVOLUTE, "about e_1; zero where e_2 is tangential"),
@@ -69,7 +74,14 @@ class RFiveBar(SubLeg):
         Sign("elbow", "elbow+", "elbow-", "sign of u_1 x v_1 about e_2"),
         Sign("rod", "rod+", "rod-", "sign of u_2 x v_2 about e_2"),
     )
-    forward_signs = (Sign("assembly", "left", "right", "P lies left or right of the directed line C -> E in the plane (x, e_1)"),)
+    forward_signs = (
+        Sign(
+            "assembly",
+            "left",
+            "right",
+            "P lies left or right of the directed line C -> E in the plane (x, e_1)",
+        ),
+    )
     default_mode = "front/elbow+/rod+"
     default_assembly = "left"
 
@@ -96,7 +108,9 @@ class RFiveBar(SubLeg):
         across = k.let("across", assembly[0] * sp.sqrt(radicand))
         w = k.let("w", (along - 1) * line + across * (E * line), "P - E")
         d = k.let("d", u_1 + w / tail, "s - c in (x, e_1)")
-        return Forward(place(k, x, d[0], d[1]), {"x": x, "e_2": e_2, "d": d, "u_1": u_1, "u_2": u_2}, radicand)
+        return Forward(
+            place(k, x, d[0], d[1]), {"x": x, "e_2": e_2, "d": d, "u_1": u_1, "u_2": u_2}, radicand
+        )
 
     def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
         theta_1, r, y = shoulder(k, s, mode[0])
@@ -114,8 +128,14 @@ class RFiveBar(SubLeg):
         return k.maximum(rod, outside(k, k.let("reach_1", sp.sqrt(r**2 + y**2)), k.g.l_4, k.g.l_6))
 
     def posture_ports(self) -> tuple[Port, ...]:
-        cranks = (("u_1", "crank u_1 in the linkage plane (x, e_1)"), ("u_2", "crank u_2 in the linkage plane (x, e_1)"))
-        return (*FRAME_PORTS, *(Port(name, (2,), Unit.METRE, Frame.JOINT, doc, Layout.STACKED) for name, doc in cranks))
+        cranks = (
+            ("u_1", "crank u_1 in the linkage plane (x, e_1)"),
+            ("u_2", "crank u_2 in the linkage plane (x, e_1)"),
+        )
+        return (
+            *FRAME_PORTS,
+            *(Port(name, (2,), Unit.METRE, Frame.JOINT, doc, Layout.STACKED) for name, doc in cranks),
+        )
 
     def posture(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Posture:
         x, e_2 = linkage_frame(k, theta[0])

@@ -1,6 +1,8 @@
 """The serial RRR sub-leg of Section 2.3: a first axis, then two links in the linkage plane.
 
-theta_3 is relative to the second link:  s = c + l_2 (x cos t_2 + e_1 sin t_2) + l_3 (x cos(t_2 + t_3) + e_1 sin(t_2 + t_3)).
+theta_3 is relative to the second link:
+
+    s = c + l_2 (x cos t_2 + e_1 sin t_2) + l_3 (x cos(t_2 + t_3) + e_1 sin(t_2 + t_3))
 """
 
 from __future__ import annotations
@@ -47,7 +49,10 @@ class RRR(SubLeg):
     space = Space.SPATIAL
     notation = "RRR"
     section = "2.3"
-    doc = "Serial sub-leg: the first axis leans outwards by alpha, the next two are parallel to each other and normal to it."
+    doc = (
+        "Serial sub-leg: the first axis leans outwards by alpha, the next two are parallel to"
+        " each other and normal to it."
+    )
     equations = "1.5, 2.5"
     actuators = (
         Joint("theta_1", JointKind.REVOLUTE, "about e_1; zero where e_2 is tangential"),
@@ -83,16 +88,24 @@ class RRR(SubLeg):
         return outside(k, k.let("distance", sp.sqrt(dot(d, d))), k.g.l_2, k.g.l_3)
 
     def posture_ports(self) -> tuple[Port, ...]:
-        v_1 = Port("v_1", (2,), Unit.METRE, Frame.JOINT, "link i3 in the linkage plane (x, e_1)", Layout.STACKED)
+        v_1 = Port(
+            "v_1", (2,), Unit.METRE, Frame.JOINT, "link i3 in the linkage plane (x, e_1)", Layout.STACKED
+        )
         return (*FRAME_PORTS, v_1)
 
     def posture(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> Posture:
         x, e_2 = linkage_frame(k, theta[0])
         d = plane_coordinates(k, s, x)
-        return {"x": x, "e_2": e_2, "d": d, "v_1": k.let("v_1", d - k.g.l_2 * in_plane(theta[1]), "s - c - u_1")}
+        return {
+            "x": x,
+            "e_2": e_2,
+            "d": d,
+            "v_1": k.let("v_1", d - k.g.l_2 * in_plane(theta[1]), "s - c - u_1"),
+        }
 
     def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
-        # (2.15): columns e_1 x (s - c), e_2 x (s - c), e_2 x (s - c - u_1), written in the frame (x, e_1, e_2)
+        # (2.15): columns e_1 x (s - c), e_2 x (s - c), e_2 x (s - c - u_1), written in the frame (x, e_1,
+        # e_2)
         (r, y), v = at.d, at.v_1
         elbow = k.let("elbow", cross2(at.d, v), "u_1 x v_1 = l_2 l_3 sin(theta_3)")
         return VelocityEquations(

@@ -1,14 +1,14 @@
 """The planar two-link chain: the closed form that every sub-leg with an elbow uses.
 
-A point (x, y) at distance d from the first joint, links a (inner) and b (outer), elbow angle psi from the inner to the outer
-link.  With C = d^2 - a^2 - b^2 = 2 a b cos(psi) and S = 2 a b sin(psi),
+A point (x, y) at distance d from the first joint, links a (inner) and b (outer), elbow angle psi from the
+inner to the outer link.  With C = d^2 - a^2 - b^2 = 2 a b cos(psi) and S = 2 a b sin(psi),
 
     S^2 = 4 a^2 b^2 - C^2 = ((a + b)^2 - d^2) (d^2 - (a - b)^2),
 
-so psi = atan2(S, C) and the inner link is at atan2(y A - x S, x A + y S) with A = 2 a^2 + C = 2 a (a + b cos(psi)); as a
-vector it is (x A + y S, y A - x S) / (2 d^2).
-No angle is subtracted, nothing is divided, nothing is lost where the elbow is straight or folded (the thesis' half-angle
-forms (B.14) lose the root at pi).
+so psi = atan2(S, C) and the inner link is at atan2(y A - x S, x A + y S) with A = 2 a^2 + C = 2 a (a + b
+cos(psi)); as a vector it is (x A + y S, y A - x S) / (2 d^2). No angle is subtracted, nothing is divided,
+nothing is lost where the elbow is straight or folded (the thesis' half-angle forms (B.14) lose the root at
+pi).
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from krhpr.codegen.writer import KernelWriter
 
 @dataclass(frozen=True)
 class TwoLink:
-    """Inner link angle and vector, elbow angle (relative), and the radicand that decides whether there is a solution."""
+    """Inner link angle and vector, elbow angle (relative), and the radicand that decides whether there is a
+    solution.
+    """
 
     inner: Any
     elbow: Any

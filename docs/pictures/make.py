@@ -2,7 +2,7 @@
 
     python docs/pictures/make.py [FOLDER]      (`make docs` does it, into docs/pictures)
 
-The pictures are a function of the code alone: no date, no random number.  Their bytes depend on Matplotlib's version.
+The pictures are a function of the code alone; their bytes depend on the version of Matplotlib.
 """
 
 from __future__ import annotations
@@ -25,12 +25,10 @@ from krhpr.drawing import (
     COLOURS,
     PLATFORM_COLOUR,
     Kind,
+    Skeleton,
     draw,
-    draw_base,
     draw_frame,
     draw_joints,
-    draw_link,
-    draw_platform,
     label,
     skeleton,
 )
@@ -68,32 +66,32 @@ STYLE = {
 def flagship() -> Figure:
     """3-[R(RR-RRR)SR] at the reference pose, with the names of Chapter 1."""
     robot = krhpr.load("spatial_r_fivebar_a")
-    figure = pyplot.figure(figsize=(9.0, 6.2))
-    ax = figure.add_axes((-0.10, -0.19, 1.20, 1.38), projection="3d")
-    ax.view_init(elev=21, azim=-74)
+    figure = pyplot.figure(figsize=(9.0, 6.0))
+    ax = figure.add_axes((-0.02, -0.28, 1.0, 1.52), projection="3d")
+    ax.view_init(elev=30, azim=-84)
     draw(robot, HOME, UPRIGHT, RADIAL, OUTSIDE, ax, labels=False)
     bones = skeleton(robot, HOME, UPRIGHT, RADIAL, OUTSIDE)
-    draw_frame(ax, (0, 0, 0), UPRIGHT, 0.11, ("$x$", "$y$", "$z$"))
-    draw_frame(ax, HOME, UPRIGHT, 0.09, ("", "$y'$", "$z'$"))
-    label(ax, (0, 0, 0), "$O$", (-15, -12), leader=False)
-    label(ax, HOME, "$O'$", (-18, -6), leader=False)
+    draw_frame(ax, (0, 0, 0), UPRIGHT, 0.09, ("$x$", "$y$", "$z$"))
+    draw_frame(ax, HOME, UPRIGHT, 0.075, ("", "", "$z'$"))
+    label(ax, (0, 0, 0), "$O$", (-14, -12), leader=False)
+    label(ax, HOME, "platform frame $O'x'y'z'$", (44, 70), ha="center", fontsize=10)
     offsets = {
-        "A": ((4, -30), (26, -12), (-30, -22)),
-        "c": ((32, -14), (36, 4), (-36, -8)),
-        "S": ((16, 26), (-12, 32), (-22, -34)),
-        "B": ((30, 8), (-40, 18), (6, -34)),
+        "A": ((-36, -24), (40, 6), (34, -22)),
+        "c": ((-30, 12), (34, 10), (30, 2)),
+        "S": ((16, 26), (-8, 34), (34, -14)),
+        "B": ((2, -32), (-2, 34), (20, 12)),
     }
     names = {"A": "base joint {}", "c": "$c_{}$", "S": "$S_{}$", "B": "$B_{}$"}
     for name, shifts in offsets.items():
         for i, shift in enumerate(shifts):
-            label(ax, bones.points[name][i], names[name].format(i + 1), shift, ha="center")
+            label(ax, bones.points[name][i], names[name].format(i + 1), shift, ha="center", fontsize=10)
     texts = {
-        "l_1": ("$l_{11}$", (-18, -12)),
-        "l_4": ("$l_{14}$ (crank $u_{11}$)", (46, -26)),
-        "l_2": ("$l_{12}$ (crank $u_{12}$)", (16, 46)),
-        "l_3": ("$l_{13}$ (rod $v_{12}$)", (60, -8)),
-        "l_5": ("$l_{15}$; $l_{16}$ from crank to $S_1$", (60, 44)),
-        "l_r": ("$l_{17}$, redundant link", (88, 58)),
+        "l_1": ("link $l_{11}$", (28, -42)),
+        "l_4": ("$l_{14}$, crank $u_{11}$", (-58, 8)),
+        "l_2": ("$l_{12}$, crank $u_{12}$", (52, -40)),
+        "l_3": ("$l_{13}$, rod $v_{12}$", (62, -10)),
+        "l_5": ("distal link $l_{15}$,\nof which $l_{16}$ from the crank to $S_1$", (66, 30)),
+        "l_r": ("redundant link $l_{17}$", (92, 58)),
     }
     for link in bones.of_leg(1):
         text, shift = texts[link.name]
@@ -110,26 +108,28 @@ def planar() -> Figure:
     draw(robot, p, phi, beta, "elbow+", ax, labels=False)
     bones = skeleton(robot, p, phi, beta, "elbow+")
     draw_frame(ax, (0, 0), np.eye(2), 0.06, ("$x$", "$y$"))
-    label(ax, (0, 0), "$O = O'$", (-34, -12), leader=False)
+    label(ax, (0, 0), "$O = O'$", (-22, -17), leader=False)
     outward = bones.points["A"] / np.linalg.norm(bones.points["A"], axis=1)[:, np.newaxis]
     for i in range(3):
-        label(ax, bones.points["A"][i], f"$o_{i + 1}$", tuple(15 * outward[i]), leader=False, ha="center")
-    for name, shifts in {"S": ((12, -8), (6, 10), (-16, -4)), "B": ((-14, 2), (-2, -16), (9, 2))}.items():
+        shift = 15 * outward[i] if i != 1 else (-6, -16)
+        label(ax, bones.points["A"][i], f"$o_{i + 1}$", shift, leader=False, ha="center", va="center")
+    for name, shifts in {"S": ((12, -8), (-12, 6), (-12, -10)), "B": ((-14, 2), (-4, -16), (12, 2))}.items():
         text = {"S": "$r_{}$", "B": "$B_{}$"}[name]
         for i, shift in enumerate(shifts):
             label(ax, bones.points[name][i], text.format(i + 1), shift, leader=False, ha="center")
     o_2, elbow, end = (bones.points[name][1] for name in ("A", "E", "S"))
     first, second = (_angle(b - a) for a, b in ((o_2, elbow), (elbow, end)))
-    ax.plot(*np.stack([o_2, o_2 + (0.075, 0)]).T, color=GREY, linewidth=0.8)
+    ax.plot(*np.stack([o_2, o_2 + np.array([0.075, 0.0])]).T, color=GREY, linewidth=0.8)
     ax.plot(*np.stack([elbow, elbow + 0.075 * _turn(first)]).T, color=GREY, linewidth=0.8)
-    _arc(ax, o_2, 0.055, 0.0, first, r"$\theta_{21}$", 0.03)
-    _arc(ax, elbow, 0.05, first, second, r"$\theta_{22}$", 0.032)
-    for link, shift in zip(bones.of_leg(2), ((14, -8), (-6, -16), None), strict=True):
-        if shift:
-            middle = (link.start + link.end) / 2
-            text = f"${link.name.replace('l_', 'l_2')}$".replace("l_2", "l_{2") + "}$"
-            label(ax, middle, text.replace("$}", "}"), shift, leader=False, color=COLOURS[link.kind])
-    ax.set_title(f"{robot.notation}, `planar_rr_a`".replace("`", ""), fontsize=11)
+    _arc(ax, o_2, 0.06, 0.0, first, r"$\theta_{21}$", 0.028)
+    _arc(ax, elbow, 0.05, first, second, r"$\theta_{22}$", 0.03)
+    texts = {"l_1": ("$l_{21}$", (-27, -5)), "l_2": ("$l_{22}$", (4, 9)), "l_r": ("$l$", (5, -9))}
+    for link in bones.of_leg(2):
+        text, shift = texts[link.name]
+        label(ax, (link.start + link.end) / 2, text, shift, leader=False, color=COLOURS[link.kind])
+    ax.set_xlim(-0.31, 0.42)
+    ax.set_ylim(-0.27, 0.30)
+    ax.set_title(f"{robot.notation} ({robot.identifier})", fontsize=11)
     _attachment(close, bones, 2, r"$B_3$", r"$r_3$")
     close.set_title(r"$\beta_i$ is measured at $B_i$ from the ray $B_i \to O'$, clockwise", fontsize=10)
     figure.tight_layout()
@@ -150,24 +150,31 @@ def conventions() -> Figure:
 def working_modes() -> Figure:
     """The eight working modes of one leg, in its linkage plane."""
     robot = krhpr.load("spatial_r_fivebar_a")
-    figure, axes = pyplot.subplots(2, 4, figsize=(12.0, 7.0), sharex=True, sharey=True)
+    figure, axes = pyplot.subplots(2, 4, figsize=(11.0, 6.6), sharex=True, sharey=True)
     for ax, mode in zip(axes.flat, robot.modes, strict=True):
         bones = skeleton(robot, HOME, UPRIGHT, RADIAL, mode)
-        flat, x = _linkage_plane(bones, robot)
-        _draw_flat(ax, bones, flat)
-        start = np.array([-0.12, -0.24])
-        _arrow(ax, start, 0.11 * x, "$x$")
-        _arrow(ax, start, np.array([0.0, 0.11]), "$e_1$")
+        flat = _linkage_plane(bones)
+        x = np.array([1.0 if mode.startswith("front") else -1.0, 0.0])
+        _draw_flat(ax, flat)
+        corner = np.array([-0.17, -0.25])
+        _arrow(ax, corner, 0.07 * x, "$x$")
+        _arrow(ax, corner, np.array([0.0, 0.07]), "$e_1$")
         angles = ", ".join(f"{value:.1f}°" for value in np.degrees(bones.theta[0]))
         ax.set_title(f"{mode}\n({angles})", fontsize=10)
         if ax is axes.flat[0]:
-            for name, shift in {"c": (-10, -14), "S": (8, 4), "E": (9, -3), "C": (-16, 6), "P": (10, -4)}.items():
-                label(ax, flat[name], f"${name}$", shift, leader=False, fontsize=9)
+            for name, shift in {
+                "c": (-11, 5),
+                "S": (8, -3),
+                "E": (8, -3),
+                "C": (-14, -4),
+                "P": (8, -3),
+            }.items():
+                label(ax, flat[name], f"${name}$", shift, leader=False, fontsize=10)
         ax.set_aspect("equal")
         ax.set_axis_off()
-        ax.set_xlim(-0.44, 0.52)
-        ax.set_ylim(-0.32, 0.56)
-    figure.tight_layout(h_pad=1.6)
+        ax.set_xlim(-0.29, 0.36)
+        ax.set_ylim(-0.27, 0.38)
+    figure.tight_layout(h_pad=2.5, w_pad=0.2)
     return figure
 
 
@@ -183,7 +190,9 @@ def assembly_modes() -> Figure:
             ax.plot(*np.stack([flat[start], flat[end]]).T, color=COLOURS[kind], linewidth=3.4, zorder=2)
         ax.plot(*np.stack([flat["C"], flat["E"]]).T, color=INK, linewidth=1, linestyle=(0, (4, 3)), zorder=3)
         middle, along = (flat["C"] + flat["E"]) / 2, flat["E"] - flat["C"]
-        ax.annotate("", middle + 0.04 * along, middle - 0.04 * along, arrowprops={"arrowstyle": "-|>", "color": INK})
+        ax.annotate(
+            "", middle + 0.04 * along, middle - 0.04 * along, arrowprops={"arrowstyle": "-|>", "color": INK}
+        )
         draw_joints(ax, np.stack(list(flat.values())))
         shifts = {"c": (-4, -16), "E": (-4, 9), "C": (-17, -4), "P": (-4, 9), "S": (10, -4)}
         if assembly == "right":
@@ -210,8 +219,10 @@ def arrangements() -> Figure:
             _platform_a(ax, flat, beta)
         else:
             _platform_c(ax, flat["S"])
-        draw_frame(ax, (0, 0), np.eye(2), 0.045, ("$x'$", "$y'$"))
-        label(ax, (0, 0), "$O'$", (-17, -12), leader=False)
+        draw_frame(ax, (0, 0), np.eye(2), 0.045)
+        label(ax, (0.045, 0), "$x'$", (-3, -15), leader=False)
+        label(ax, (0, 0.045), "$y'$", (-4, 5), leader=False)
+        label(ax, (0, 0), "$O'$", (-20, -4) if "B" in flat else (-48, -4), leader="B" not in flat)
         ax.set_aspect("equal")
         ax.set_axis_off()
         ax.margins(0.14)
@@ -225,10 +236,10 @@ def type_2_margin() -> Figure:
     """The type II margin of arrangement (a) over two redundant angles, the third held."""
     robot = krhpr.load("spatial_rrr_a")
     figure, axes = pyplot.subplots(1, 3, figsize=(12.0, 4.3), sharey=True, layout="constrained")
-    degrees = np.arange(0.0, 361.0, 3.0)
+    degrees = np.arange(0.0, 361.0, 4.0)
     first, second = np.meshgrid(degrees, degrees, indexing="ij")
     levels = np.arange(-2.75, 2.76, 0.25)
-    for ax, third in zip(axes, (90.0, 150.0, 180.0), strict=True):
+    for ax, third in zip(axes, (90.0, 120.0, 150.0), strict=True):
         beta = np.radians(np.stack([first, second, np.full_like(first, third)], axis=-1))
         s = robot.end_points(HOME, UPRIGHT, beta)
         theta = robot.inverse(HOME, UPRIGHT, beta)
@@ -242,7 +253,9 @@ def type_2_margin() -> Figure:
         ax.set_xticks(range(0, 361, 60))
         ax.set_yticks(range(0, 361, 60))
     axes[0].set_ylabel(r"$\beta_2$ (degrees)")
-    figure.colorbar(shown, ax=axes, label=r"margin $f$ = −det $J_a$ / ($l^3 R_p$)", ticks=np.arange(-2.5, 2.6, 1.25))
+    figure.colorbar(
+        shown, ax=axes, label=r"margin $f$ = −det $J_a$ / ($l^3 R_p$)", ticks=np.arange(-2.5, 2.6, 1.25)
+    )
     return figure
 
 
@@ -276,16 +289,40 @@ def _angle(vector: Point) -> float:
 
 
 def _arrow(ax: Any, start: Point, along: Point, text: str, colour: str = INK) -> None:
-    ax.annotate("", start + along, start, arrowprops={"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0})
+    ax.annotate(
+        "",
+        start + along,
+        start,
+        arrowprops={"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0},
+    )
     if text:
         size = float(np.linalg.norm(along))
-        label(ax, start + along * (1 + 0.028 / size), text, (0, 0), leader=False, ha="center", va="center", color=colour)
+        label(
+            ax,
+            start + along * (1 + 0.028 / size),
+            text,
+            (0, 0),
+            leader=False,
+            ha="center",
+            va="center",
+            color=colour,
+        )
 
 
 def _arc(ax: Any, centre: Point, radius: float, start: float, end: float, text: str, away: float) -> None:
     """The arc of an angle from `start` to `end` (radians, in the direction of the difference) with an arrow head."""
     low, high = sorted((start, end))
-    ax.add_patch(Arc(centre, 2 * radius, 2 * radius, theta1=np.degrees(low), theta2=np.degrees(high), color=INK, linewidth=1))
+    ax.add_patch(
+        Arc(
+            centre,
+            2 * radius,
+            2 * radius,
+            theta1=np.degrees(low),
+            theta2=np.degrees(high),
+            color=INK,
+            linewidth=1,
+        )
+    )
     step = 0.14 if end > start else -0.14
     ax.annotate(
         "",
@@ -293,32 +330,38 @@ def _arc(ax: Any, centre: Point, radius: float, start: float, end: float, text: 
         centre + radius * _turn(end - step),
         arrowprops={"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9},
     )
-    label(ax, centre + (radius + away) * _turn((start + end) / 2), text, (0, 0), leader=False, ha="center", va="center")
+    label(
+        ax,
+        centre + (radius + away) * _turn((start + end) / 2),
+        text,
+        (0, 0),
+        leader=False,
+        ha="center",
+        va="center",
+    )
 
 
-def _linkage_plane(bones: Any, robot: Robot) -> tuple[dict[str, Point], Point]:
-    """Points of leg 1 in its linkage plane: to the right the direction of S_1 from the first axis, upwards e_1.
-
-    Also the direction of x there: to the right in front, to the left in the back.
-    """
-    origin = bones.points["c"][0]
-    base = bones.points["A"][0]
-    axis = (origin - base) / np.linalg.norm(origin - base)
+def _linkage_plane(bones: Skeleton) -> dict[str, Point]:
+    """Points of leg 1 in its linkage plane: rightwards from the first axis to S_1, upwards e_1."""
+    origin, base = bones.points["c"][0], bones.points["A"][0]
+    e_1 = (origin - base) / np.linalg.norm(origin - base)
     across = bones.points["S"][0] - origin
-    across = across - axis * (across @ axis)
+    across = across - e_1 * (across @ e_1)
     across /= np.linalg.norm(across)
-    names = [name for name in ("c", "E", "C", "P", "S") if name in bones.points]
-    flat = {name: np.array([(bones.points[name][0] - origin) @ v for v in (across, axis)]) for name in names}
-    front = np.cos(bones.theta[0, 0]) > 0  # S_1 is before the first axis at this pose
-    return flat, np.array([1.0 if front else -1.0, 0.0])
+    plane = np.stack([across, e_1])
+    return {name: plane @ (points[0] - origin) for name, points in bones.points.items() if name in "cECPS"}
 
 
-def _draw_flat(ax: Any, bones: Any, flat: dict[str, Point]) -> None:
+def _draw_flat(ax: Any, flat: dict[str, Point]) -> None:
     for kind, start, end in _FIVE_BAR:
         ax.plot(
-            *np.stack([flat[start], flat[end]]).T, color=COLOURS[kind], linewidth=3.2, solid_capstyle="round", zorder=2
+            *np.stack([flat[start], flat[end]]).T,
+            color=COLOURS[kind],
+            linewidth=3.2,
+            solid_capstyle="round",
+            zorder=2,
         )
-    ax.axvline(0.0, color=GREY, linewidth=0.8, linestyle=(0, (8, 3, 1, 3)), zorder=0)
+    ax.plot([0, 0], [-0.2, 0.36], color=GREY, linewidth=0.8, linestyle=(0, (8, 3, 1, 3)), zorder=0)
     draw_joints(ax, np.stack(list(flat.values())), markersize=4.5)
 
 
@@ -327,7 +370,9 @@ def _five_bar_points(robot: Robot, theta: Point, s: Point) -> dict[str, Point]:
     module = krhpr.generated.python.spatial_r_fivebar_a  # type: ignore[attr-defined]
     prepared = module.prepare(robot.geometry).subleg
     legs = tuple(np.repeat(value, 3) for value in s), tuple(np.repeat(value, 3) for value in theta)
-    _, _, d, u_1, u_2 = ([np.asarray(part)[0] for part in vector] for vector in module.subleg.posture(prepared, *legs))
+    _, _, d, u_1, u_2 = (
+        [np.asarray(part)[0] for part in vector] for vector in module.subleg.posture(prepared, *legs)
+    )
     end, elbow, crank = np.array(d), np.array(u_1), np.array(u_2)
     ratio = 1 - robot.geometry.l_5[0] / robot.geometry.l_6[0]
     return {"c": np.zeros(2), "E": elbow, "C": crank, "P": elbow + ratio * (end - elbow), "S": end}
@@ -341,21 +386,23 @@ def _base_view(ax: Any, robot: Robot) -> None:
     radius = float(robot.geometry.R_b[0])
     ax.add_patch(pyplot.Circle((0, 0), radius, fill=False, color="#cccccc", linewidth=1))
     for i, (joint, azimuth) in enumerate(zip(joints, robot.geometry.azimuth, strict=True)):
-        label(ax, joint, f"leg {i + 1}", tuple(-22 * _turn(azimuth)), leader=False, ha="center", va="center")
-    for i in (1,):
-        azimuth = robot.geometry.azimuth[i]
-        _arrow(ax, joints[i], 0.13 * _turn(azimuth), "$e_r$")
-        _arrow(ax, joints[i], 0.13 * _turn(azimuth + np.pi / 2), "$e_t$")
-        ax.plot(*np.stack([np.zeros(2), joints[i]]).T, color=INK, linewidth=1)
-        label(ax, joints[i] / 2, "$R_b$", (5, 4), leader=False)
-        _arc(ax, np.zeros(2), 0.07, 0.0, azimuth, "azimuth", 0.06)
+        shift = ((18, 12), (-24, 14), (-22, -8))[i]
+        label(ax, joint, f"leg {i + 1}", shift, leader=False, ha="center", va="center")
+        if i == 1:
+            _arrow(ax, joint, 0.12 * _turn(azimuth), "$e_r$")
+            _arrow(ax, joint, 0.12 * _turn(azimuth + np.pi / 2), "$e_t$")
+            ax.plot(*np.stack([np.zeros(2), joint]).T, color=INK, linewidth=1)
+            label(ax, joint / 2, "$R_b$", (-20, -4), leader=False)
+            _arc(ax, np.zeros(2), 0.075, 0.0, azimuth, "", 0.0)
+            label(ax, 0.075 * _turn(0.45), "azimuth", (3, 0), leader=False, fontsize=9)
     draw_joints(ax, joints)
     draw_frame(ax, (0, 0), np.eye(2), 0.14, ("$x$", "$y$"))
     label(ax, (0, 0), "$O$", (-14, -13), leader=False)
     ax.set_title("base, seen from $+z$", fontsize=11)
     ax.set_aspect("equal")
     ax.set_axis_off()
-    ax.margins(0.1)
+    ax.set_xlim(-0.34, 0.34)
+    ax.set_ylim(-0.29, 0.37)
 
 
 def _axis_view(ax: Any, robot: Robot) -> None:
@@ -365,47 +412,56 @@ def _axis_view(ax: Any, robot: Robot) -> None:
     e_x = np.array([-np.sin(alpha), -np.cos(alpha)])  # e_1 x e_t
     c = joint + 0.11 * e_1  # l_1 is drawn longer than it is
     ax.plot([0, radius], [0, 0], color=GREY, linewidth=1.2, linestyle=(0, (4, 3)))
-    ax.plot(*np.stack([joint - 0.05 * e_1, joint + 0.27 * e_1]).T, color=GREY, linewidth=0.8, linestyle=(0, (8, 3, 1, 3)))
+    ax.plot(
+        *np.stack([joint - 0.05 * e_1, joint + 0.27 * e_1]).T,
+        color=GREY,
+        linewidth=0.8,
+        linestyle=(0, (8, 3, 1, 3)),
+    )
     ax.plot(*np.stack([joint, c]).T, color=COLOURS[Kind.FIXED], linewidth=3.4)
     label(ax, (joint + c) / 2, "$l_1$", (7, -9), leader=False)
-    _arrow(ax, c, 0.13 * e_1, "$e_1$")
+    _arrow(ax, c, 0.13 * e_1, "")
+    label(ax, c + 0.13 * e_1, "$e_1$", (6, -8), leader=False)
     _arrow(ax, c, 0.13 * e_x, "$e_x$")
     ax.plot(*c, marker="o", markersize=8, color="white", markeredgecolor=INK, zorder=6)
     ax.plot(*c, marker="x", markersize=5, color=INK, zorder=7)
     label(ax, c, "$e_t$ (into the page)", (12, -4), leader=False, fontsize=9)
-    label(ax, c, "$c$", (-14, -13), leader=False)
-    _arc(ax, joint, 0.075, np.pi, np.pi - alpha, r"$\alpha$", 0.028)
+    label(ax, c, "$c$", (-14, -7), leader=False)
+    _arc(ax, joint, 0.06, np.pi, np.pi - alpha, r"$\alpha$", 0.025)
     _arrow(ax, np.zeros(2), np.array([0.1, 0.0]), "")
     _arrow(ax, np.zeros(2), np.array([0.0, 0.1]), "$z$")
     label(ax, (0.1, 0), "$e_r$", (0, -16), leader=False, ha="center")
     label(ax, (0, 0), "$O$", (-14, -13), leader=False)
     draw_joints(ax, np.stack([joint]))
-    label(ax, joint, "base joint", (-4, -18), leader=False, ha="center")
-    ax.set_title("first axis, vertical plane through $O$", fontsize=11)
+    label(ax, joint, "base joint", (14, -14), leader=False, ha="left")
+    ax.set_title("first axis, in the vertical plane through $O$", fontsize=11)
     ax.set_aspect("equal")
     ax.set_axis_off()
-    ax.margins(0.12)
+    ax.set_xlim(-0.06, 0.55)
+    ax.set_ylim(-0.17, 0.40)
 
 
 def _linkage_view(ax: Any, robot: Robot) -> None:
     """The linkage plane of the five-bar sub-leg with its vectors and angles."""
     bones = skeleton(robot, HOME, UPRIGHT, RADIAL, OUTSIDE)
-    flat, _ = _linkage_plane(bones, robot)
-    _draw_flat(ax, bones, flat)
+    flat = _linkage_plane(bones)
+    _draw_flat(ax, flat)
     origin = flat["c"]
     _arrow(ax, origin, np.array([0.2, 0.0]), "$x$")
-    label(ax, (0.0, 0.46), "$e_1$", (5, 0), leader=False)
+    _arrow(ax, np.array([0.0, 0.32]), np.array([0.0, 0.07]), "")
+    label(ax, (0.0, 0.38), "$e_1$", (5, -2), leader=False)
     theta_2, theta_3 = bones.theta[0, 1], bones.theta[0, 2]
     _arc(ax, origin, 0.10, 0.0, theta_2, r"$\theta_2$", 0.035)
     _arc(ax, origin, 0.065, 0.0, theta_3, "", 0.0)
     label(ax, 0.065 * _turn(2.2), r"$\theta_3$", (-13, 3), leader=False)
-    ax.plot(*origin, marker="o", markersize=8, color="white", markeredgecolor=INK, zorder=6)
-    ax.plot(*origin, marker="x", markersize=5, color=INK, zorder=7)
-    label(ax, origin, "$c$,  $e_2$ into the page", (-2, -19), leader=False, fontsize=9)
-    for name, shift in {"E": (-3, 9), "C": (-15, -10), "P": (-6, 9), "S": (9, -2)}.items():
+    ax.plot(*origin, marker="o", markersize=9, color="white", markeredgecolor=INK, zorder=6)
+    ax.plot(*origin, marker="o", markersize=2.5, color=INK, zorder=7)
+    label(ax, origin, "$c$", (-13, -13), leader=False)
+    label(ax, origin, "$e_2$ (out of the page)", (10, -14), leader=False, fontsize=9)
+    for name, shift in {"E": (7, 6), "C": (-15, -10), "P": (-6, 9), "S": (9, -2)}.items():
         label(ax, flat[name], f"${name}$", shift, leader=False)
     names = {
-        ("c", "E"): ("$u_1$, length $l_4$", (10, 14), Kind.PROXIMAL),
+        ("c", "E"): ("$u_1$, length $l_4$", (7, 22), Kind.PROXIMAL),
         ("c", "C"): ("$u_2$, $l_2$", (-30, -19), Kind.CRANK),
         ("C", "P"): ("$v_2$, $l_3$", (-45, -4), Kind.ROD),
         ("P", "E"): ("$w$", (-2, 9), Kind.DISTAL),
@@ -413,13 +469,14 @@ def _linkage_view(ax: Any, robot: Robot) -> None:
     }
     for (start, end), (text, shift, kind) in names.items():
         label(ax, (flat[start] + flat[end]) / 2, text, shift, leader=False, color=COLOURS[kind])
-    ax.set_title(r"linkage plane at $\theta_1$; $r$ > 0 is in front of the axis", fontsize=11)
+    ax.set_title(r"linkage plane $(x, e_1)$ at $\theta_1$", fontsize=11)
     ax.set_aspect("equal")
     ax.set_axis_off()
-    ax.margins(0.13)
+    ax.set_xlim(-0.27, 0.36)
+    ax.set_ylim(-0.07, 0.43)
 
 
-def _attachment(ax: Any, bones: Any, leg: int, joint: str, end: str) -> None:
+def _attachment(ax: Any, bones: Skeleton, leg: int, joint: str, end: str) -> None:
     """The redundant link of one leg of a planar robot, with its angle."""
     b, s, centre = bones.points["B"][leg], bones.points["S"][leg], bones.origin
     corners = bones.points["B"]
@@ -454,9 +511,17 @@ def _platform_a(ax: Any, flat: dict[str, Point], beta: Point) -> None:
         ax.plot(*line.T, color=ALERT, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
         inward = _angle(-b[i])
         _arc(ax, b[i], 0.03, inward, inward - beta[i], rf"$\beta_{i + 1}$", 0.013)
-        label(ax, b[i], f"$B_{i + 1}$", tuple(13 * outward), leader=False, ha="center", va="center")
+        label(ax, b[i], f"$B_{i + 1}$", 13 * outward, leader=False, ha="center", va="center")
         beyond = away / np.linalg.norm(away)
-        label(ax, s[i], f"$S_{i + 1}$", tuple(13 * beyond + 6 * outward), leader=False, ha="center", va="center")
+        label(
+            ax,
+            s[i],
+            f"$S_{i + 1}$",
+            8 * beyond + 12 * _turn(_angle(beyond) - np.pi / 2),
+            leader=False,
+            ha="center",
+            va="center",
+        )
     draw_joints(ax, np.vstack([b, s]))
 
 
@@ -464,14 +529,20 @@ def _platform_c(ax: Any, s: Point) -> None:
     for i in range(3):
         outward = s[i] / np.linalg.norm(s[i])
         across = np.array([-outward[1], outward[0]])
-        ax.plot(*np.stack([np.zeros(2), 0.16 * outward]).T, color=PLATFORM_COLOUR, linewidth=5, solid_capstyle="butt")
-        ax.plot(*np.stack([s[i] - 0.06 * across, s[i] + 0.06 * across]).T, color=ALERT, linewidth=0.8, linestyle=(0, (1, 2)))
-        shift = 0.016 * across
-        ax.annotate(
-            "", s[i] + shift, shift, arrowprops={"arrowstyle": "<|-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 0.9}
+        slide = np.stack([np.zeros(2), 0.17 * outward])
+        ax.plot(*slide.T, color=PLATFORM_COLOUR, linewidth=5, solid_capstyle="butt", zorder=1)
+        ax.plot(
+            *np.stack([s[i] - 0.06 * across, s[i] + 0.06 * across]).T,
+            color=ALERT,
+            linewidth=0.8,
+            linestyle=(0, (1, 2)),
         )
-        label(ax, s[i] / 2 + shift, f"$d_{i + 1}$", tuple(11 * across), leader=False, ha="center", va="center")
-        label(ax, s[i], f"$S_{i + 1}$", tuple(-13 * across), leader=False, ha="center", va="center")
+        shift = 0.018 * across
+        both_ends = {"arrowstyle": "<|-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 0.9}
+        ax.annotate("", s[i] + shift, shift, arrowprops=both_ends)
+        label(ax, 0.6 * s[i] + shift, f"$d_{i + 1}$", 11 * across, leader=False, ha="center", va="center")
+        place = 9 * outward - 13 * across
+        label(ax, s[i], f"$S_{i + 1}$", place, leader=False, ha="center", va="center")
     draw_joints(ax, s)
 
 

@@ -5,7 +5,7 @@
  *
  * Errors against a correctly rounded reference (tests/codegen/test_elementary.py, with and without FMA):
  *   sine, cosine  below 1 ulp for |x| <= 1e5, near multiples of pi/2 too; the sign of a zero sine is not kept
- *   arctangent    below 2 ulp
+ *   arctangent    below 1.7 ulp
  * Elsewhere (larger angles, zeros, infinities, NaN) the C library is called.
  */
 #ifndef KRHPR_ELEMENTARY_H
@@ -65,25 +65,31 @@ static inline double krhpr_atan2_near(double y, double x)
     const double ay = fabs(y);
     const double long_side = ax > ay ? ax : ay;
     const double short_side = ax > ay ? ay : ax;
-    /* the angle from the nearer axis is at most pi/4; above pi/8 measure it from pi/4: |u| <= tan(pi/8) */
-    const double f = short_side > 0.41421356237309503 * long_side ? 1.0 : 0.0;
+    /* the angle from the nearer axis is at most pi/4; above atan(1/2) measure it from pi/4, where the difference of the sides
+     * is exact: |u| <= 1/2 */
+    const double f = short_side > 0.5 * long_side ? 1.0 : 0.0;
     const double divisor = long_side + f * short_side;
     const double u = (short_side - f * long_side) / (divisor > 0.0 ? divisor : 1.0);
     const double z = u * u;
     const double w = z * z;
-    /* the odd polynomial of fdlibm's atan, even and odd terms apart */
-    const double even = z * (3.33333333333329318027e-01
-        + w * (1.42857142725034663711e-01
-        + w * (9.09088713343650656196e-02
-        + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
-    const double odd = w * (-1.99999999998764832476e-01
-        + w * (-1.11111104054623557880e-01
-        + w * (-7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
-    const double r = f * 7.85398163397448278999e-01 - ((u * (even + odd) - f * 3.06161699786838301793e-17) - u);
-    /* unfold: nearer to the y axis, the left half plane, the lower one */
-    const double quarters = ay > ax ? 1.0 : (x < 0.0 ? 2.0 : 0.0);
+    /* atan(u) = u - u p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
+    const double even = z * (0.333333333333331
+        + w * (0.1428571427837729
+        + w * (0.09090898049474193
+        + w * (0.06664062944598949 + w * (0.051288218728311304 + w * 0.027715857210339187)))));
+    const double odd = w * (-0.19999999999928744
+        + w * (-0.11111110737932599
+        + w * (-0.07692100224898962
+        + w * (-0.058599126513718534 + w * (-0.0420476109429019 + w * -0.010305936999865081)))));
+    /* unfold: steps of pi/4 from the x axis, exact multiples of its first 50 bits; then the sum base + part with the error of
+     * its rounding */
     const double turn = (ay > ax ? -1.0 : 1.0) * (x < 0.0 ? -1.0 : 1.0);
-    return copysign(quarters * 1.57079632679489655800e+00 + (turn * r + quarters * 6.12323399573676603587e-17), y);
+    const double steps = (ay > ax ? 2.0 : (x < 0.0 ? 4.0 : 0.0)) + turn * f;
+    const double base = steps * 7.85398163397448278999e-01;
+    const double part = turn * u;
+    const double sum = base + part;
+    const double rest = (part - (sum - base)) - (part * (even + odd) - steps * 3.06161699786838301793e-17);
+    return copysign(sum + rest, y);
 }
 
 static inline int krhpr_sincos_is_near(double x)

@@ -185,10 +185,10 @@ class Arguments:
         rows = port.shape[0] // LEGS
         columns = port.shape[1] // LEGS if port.layout == "block diagonal" else 0
         for leg in range(LEGS):
-            where = (slice(rows * leg, rows * (leg + 1)),)
+            where: Any = (failed_legs[..., leg] | failed, slice(rows * leg, rows * (leg + 1)))
             if port.layout == "block diagonal":
                 where = (*where, slice(columns * leg, columns * (leg + 1)))
-            array[(failed_legs[..., leg] | failed, *where)] = np.nan
+            array[where] = np.nan
 
 
 def legs(parts: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -268,8 +268,10 @@ class Geometry:
             raise AttributeError(name) from None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Geometry) and all(
-            np.array_equal(self.fields[name], other.fields.get(name)) for name in self.order
+        return (
+            isinstance(other, Geometry)
+            and self.order == other.order
+            and all(np.array_equal(self.fields[name], other.fields[name]) for name in self.order)
         )
 
     def __hash__(self) -> int:

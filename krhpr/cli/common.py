@@ -56,7 +56,9 @@ class Column:
     numeric: bool = False
 
 
-def print_table(columns: Sequence[Column], rows: Sequence[Sequence[object]], file: TextIO | None = None) -> None:
+def print_table(
+    columns: Sequence[Column], rows: Sequence[Sequence[object]], file: TextIO | None = None
+) -> None:
     """A table: with rich in a terminal, as aligned text elsewhere."""
     file = file or sys.stdout
     texts = [[_cell(value) for value in row] for row in rows]
@@ -111,7 +113,12 @@ def progress(total: int) -> Iterator[Step]:
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (BarColumn(), TextColumn("{task.completed}/{task.total}"), TimeElapsedColumn(), TextColumn("{task.fields[step]}"))
+    columns = (
+        BarColumn(),
+        TextColumn("{task.completed}/{task.total}"),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[step]}"),
+    )
     with Progress(*columns, console=rich.console.Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=total, step="")
         begun = 0

@@ -1,29 +1,10 @@
-"""`krhpr eval ROBOT FUNCTION`: numbers in, numbers out."""
+"""`krhpr eval ROBOT FUNCTION`: its arguments and help; `evaluation.py` does the work."""
 
 from __future__ import annotations
 
 import argparse
-import csv
-import json
-import sys
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
 
-import krhpr
-from krhpr.cli.columns import all_columns
-from krhpr.cli.common import Command, Exit, WrongUse
-from krhpr.errors import InvalidInput
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from krhpr.cli.reading import Given
-    from krhpr.generated.python.runtime import Signature
-    from krhpr.robot import Robot
-
-_ZERO_UNLESS_GIVEN = {("joint_rates", "redundant_rate"), ("joint_accelerations", "redundant_acceleration")}
+from krhpr.cli.common import Command
 
 EPILOG = """\
 input:
@@ -46,13 +27,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
     parser.add_argument("robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it")
     parser.add_argument("function", metavar="FUNCTION", help="name, as `krhpr info ROBOT` shows it")
-    parser.add_argument("--input", metavar="FILE", default="-", help="file to read; - (the default) is standard input")
+    parser.add_argument(
+        "--input", metavar="FILE", default="-", help="file to read; - (the default) is standard input"
+    )
     parser.add_argument(
         "--format",
         choices=("json", "csv"),
         help="format of the input (default: by the file's ending, else by its first character), and of the output",
     )
-    parser.add_argument("--to", choices=("json", "csv"), help="format of the output (default: that of the input)")
+    parser.add_argument(
+        "--to", choices=("json", "csv"), help="format of the output (default: that of the input)"
+    )
     parser.add_argument(
         "--mode", metavar="LABEL", help="working mode: a label for all legs, or three, separated by commas"
     )
@@ -65,187 +50,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="another length or angle; three values, separated by commas, where the legs differ",
     )
-    parser.add_argument("--status", action="store_true", help="say for each configuration whether there is an answer")
+    parser.add_argument(
+        "--status", action="store_true", help="say for each configuration whether there is an answer"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Evaluate a function and print its results."""
-    from krhpr.cli.info import find_signature
-    from krhpr.cli.reading import read_arguments, read_source
+    from krhpr.cli import evaluation  # takes NumPy
 
-    robot = krhpr.load(options.robot)
-    signature = find_signature(robot, options.function)
-    robot = _with_geometry(robot, options.geometry)
-    preset = _branches(signature, options)
-    optional = [port.name for port in signature.inputs if _is_optional(signature.name, port.name)]
-    source = read_source(options.input, options.format)
-    calls, is_list = read_arguments(source, signature, optional)
-    for given in calls:
-        for name in preset.keys() & given.values.keys():
-            raise WrongUse(f"{source.name}: {name!r} is given here and by --{name}; leave one out")
-    answers = [_call(robot, signature, given, preset) for given in calls]
-    _warn_of_nothing(answers)
-    if (options.to or source.format) == "csv":
-        _print_csv(signature, answers, options.status)
-    else:
-        _print_json(signature, answers, options.status, is_list)
-    return Exit.OK
-
-
-# -- what is asked for ------------------------------------------------------------------------------------------------
-
-
-def _is_optional(function: str, argument: str) -> bool:
-    return argument in ("mode", "assembly") or (function, argument) in _ZERO_UNLESS_GIVEN
-
-
-def _with_geometry(robot: Robot, settings: Sequence[str]) -> Robot:
-    changes: dict[str, list[float] | float] = {}
-    for setting in settings:
-        name, equals, text = setting.partition("=")
-        name = name.strip()
-        if not equals:
-            raise WrongUse(f"--geometry {setting}: expected FIELD=VALUE, such as {robot.geometry.order[-1]}=0.1")
-        if name not in robot.geometry.order:
-            near = get_close_matches(name, robot.geometry.order, n=3, cutoff=0.6)
-            hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(robot.geometry.order)}"
-            raise WrongUse(f"--geometry {setting}: {robot.identifier} has no field {name!r}; {hint}")
-        if name in changes:
-            raise WrongUse(f"--geometry {setting}: {name!r} is given twice")
-        values = [_value(setting, part) for part in text.split(",")]
-        if len(values) not in (1, 3):
-            raise WrongUse(f"--geometry {setting}: found {len(values)} values, expected one, or three for the three legs")
-        changes[name] = values[0] if len(values) == 1 else values
-    try:
-        return robot.with_geometry(**changes) if changes else robot
-    except ValueError as error:  # not finite, or not positive
-        raise WrongUse(f"--geometry: {error}") from None
-
-
-def _value(setting: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise WrongUse(f"--geometry {setting}: found {text!r}, expected a number") from None
-
-
-def _branches(signature: Signature, options: argparse.Namespace) -> dict[str, str | list[str]]:
-    """Modes that the options give for all configurations."""
-    names = [port.name for port in signature.inputs]
-    found: dict[str, str | list[str]] = {}
-    for option in ("mode", "assembly"):
-        text = getattr(options, option)
-        if text is None:
-            continue
-        if option not in names:
-            raise WrongUse(f"--{option}: {signature.name} takes no {option}; it takes {', '.join(names)}")
-        labels = [label.strip() for label in text.split(",")]
-        found[option] = labels[0] if len(labels) == 1 else labels
-    return found
-
-
-# -- calling ----------------------------------------------------------------------------------------------------------
-
-Answer = tuple[tuple["np.ndarray[Any, Any]", ...], "np.ndarray[Any, Any]"]
-"""Results in order, and the status."""
-
-
-def _call(robot: Robot, signature: Signature, given: Given, preset: dict[str, Any]) -> Answer:
-    import numpy as np
-
-    values = {**preset, **given.values}
-    inputs = [
-        _branch(robot, port.name, values.get(port.name), given)
-        if port.name in ("mode", "assembly")
-        else values.get(port.name, np.zeros(port.shape))
-        for port in signature.inputs
-    ]
-    try:
-        answer, status = robot.call(signature.name, *inputs, status=True)
-    except InvalidInput as error:
-        raise WrongUse(f"{given.place(error.index)}: {error}") from None
-    except ValueError as error:  # batch dimensions that do not fit
-        raise WrongUse(f"{given.place(())}: {error}") from None
-    results = (answer,) if len(signature.outputs) == 1 else tuple(answer)
-    return tuple(np.asarray(result) for result in results), np.asarray(status)
-
-
-def _branch(robot: Robot, name: str, branch: Any, given: Given) -> Any:
-    """The signs of a mode: of labels for all, or of a column of labels."""
-    import numpy as np
-
-    signs = robot.mode_signs if name == "mode" else robot.assembly_signs
-    column = isinstance(branch, _LabelColumn)
-    if not column:
-        return signs(branch)
-    found = []
-    for row, label in enumerate(branch.labels):
-        try:
-            found.append(signs(label))
-        except ValueError as error:
-            raise WrongUse(f"{given.place((row,))}, column {name}: {error}") from None
-    return np.stack(found)
-
-
-# -- printing ---------------------------------------------------------------------------------------------------------
-
-
-def _warn_of_nothing(answers: Sequence[Answer]) -> None:
-    counts = Counter(name for _, status in answers for name in _status_names(status))
-    total = sum(counts.values())
-    counts.pop("OK", None)
-    if counts:
-        reasons = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
-        print(f"krhpr: no answer for {sum(counts.values())} of {total} configurations: {reasons}", file=sys.stderr)
-
-
-def _status_names(status: np.ndarray[Any, Any]) -> list[str]:
-    from krhpr import Status
-
-    return [Status(code).name for code in status.ravel().tolist()]
-
-
-def _print_json(signature: Signature, answers: Sequence[Answer], with_status: bool, is_list: bool) -> None:
-    objects = []
-    for results, status in answers:
-        # a list of elements that went through one call comes back element by element
-        elements = _elements(results, status) if is_list and len(answers) == 1 and status.ndim else [(results, status)]
-        for parts, code in elements:
-            entry = {port.name: _values(part.tolist()) for port, part in zip(signature.outputs, parts, strict=True)}
-            if with_status:
-                entry["status"] = _status_values(code)
-            objects.append(json.dumps(entry, allow_nan=False))
-    print("[\n " + ",\n ".join(objects) + "\n]" if is_list and objects else "[]" if is_list else objects[0])
-
-
-def _elements(results: tuple[Any, ...], status: Any) -> Iterator[Answer]:
-    for n in range(len(status)):
-        yield tuple(result[n] for result in results), status[n]
-
-
-def _values(value: Any) -> Any:
-    """NaN and infinities become null: JSON has none."""
-    if isinstance(value, list):
-        return [_values(entry) for entry in value]
-    return value if abs(value) < float("inf") else None
-
-
-def _status_values(status: Any) -> Any:
-    import numpy as np
-
-    names = np.array(_status_names(np.asarray(status)), dtype=object)
-    return names.reshape(np.shape(status)).tolist()
-
-
-def _print_csv(signature: Signature, answers: Sequence[Answer], with_status: bool) -> None:
-    writer = csv.writer(sys.stdout, lineterminator="\n")
-    writer.writerow([*all_columns(signature.outputs), *(["status"] if with_status else [])])
-    for results, status in answers:
-        flat = [result.reshape((status.size, -1)) for result in results]
-        names = _status_names(status)
-        for row in range(status.size):
-            cells = [repr(value) for part in flat for value in part[row].tolist()]
-            writer.writerow([*cells, *([names[row]] if with_status else [])])
+    return evaluation.run(options)
 
 
 COMMAND = Command(

@@ -33,7 +33,9 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(robot_facts(robot), indent=1) if options.json else _robot_text(robot))
         return Exit.OK
     signature = find_signature(robot, options.function)
-    print(json.dumps(function_facts(signature), indent=1) if options.json else _function_text(robot, signature))
+    print(
+        json.dumps(function_facts(signature), indent=1) if options.json else _function_text(robot, signature)
+    )
     return Exit.OK
 
 
@@ -60,10 +62,19 @@ def robot_facts(robot: Robot) -> dict[str, Any]:
         "actuators": about["actuators"],
         "redundant_coordinate": about["redundant"],
         "passive_joints": passive_joints(robot),
-        "working_modes": {"labels": robot.modes, "default": robot.default_mode, "choices": about["working mode"]},
+        "working_modes": {
+            "labels": robot.modes,
+            "default": robot.default_mode,
+            "choices": about["working mode"],
+        },
         "assembly_modes": {"labels": robot.assemblies, "choices": about["assembly mode"]},
         "geometry": [
-            {"field": name, "unit": about["units"][name], "meaning": meaning, "default": getattr(robot.geometry, name).tolist()}
+            {
+                "field": name,
+                "unit": about["units"][name],
+                "meaning": meaning,
+                "default": getattr(robot.geometry, name).tolist(),
+            }
             for name, meaning in about["geometry"].items()
         ],
         "singular_factors": about["singular factors"],
@@ -112,7 +123,10 @@ def _robot_text(robot: Robot) -> str:
     lines += _section("Actuated joints of a leg, with their zeros", facts["actuators"].items())
     lines += _section("Redundant coordinate of a leg", facts["redundant_coordinate"].items())
     lines += _section("Passive joints", facts["passive_joints"].items())
-    lines += _section("Geometry (for each leg; `with_geometry` and `--geometry` change it)", _geometry_rows(facts["geometry"]))
+    lines += _section(
+        "Geometry (for each leg; `with_geometry` and `--geometry` change it)",
+        _geometry_rows(facts["geometry"]),
+    )
     modes = facts["working_modes"]
     lines += _section("Working modes of a leg (* is the default)", modes["choices"].items())
     lines += _wrapped("  ".join(label + "*" * (label == modes["default"]) for label in modes["labels"]), "  ")
@@ -147,7 +161,10 @@ def _function_text(robot: Robot, signature: Signature) -> str:
     lines += _section("Results", [(_port_head(port), _port_tail(port)) for port in signature.outputs])
     choices = [
         (port.name, ", ".join(labels))
-        for port, labels in ((port, {"mode": robot.modes, "assembly": robot.assemblies}.get(port.name)) for port in signature.inputs)
+        for port, labels in (
+            (port, {"mode": robot.modes, "assembly": robot.assemblies}.get(port.name))
+            for port in signature.inputs
+        )
         if labels
     ]
     if choices:
@@ -185,7 +202,14 @@ def _port_head(port: Port) -> str:
 
 
 def _port_tail(port: Port) -> str:
-    facts = [fact for fact in (port.unit if port.unit != "1" else "", f"{port.frame} frame" if port.frame != "-" else "") if fact]
+    facts = [
+        fact
+        for fact in (
+            port.unit if port.unit != "1" else "",
+            f"{port.frame} frame" if port.frame != "-" else "",
+        )
+        if fact
+    ]
     text = port.doc + (f" ({', '.join(facts)})" if facts else "")
     return text + (f" [{', '.join(port.labels)}]" if port.labels else "")
 
@@ -212,8 +236,6 @@ def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
         break_long_words=False,
         break_on_hyphens=False,
     )
-
-
 
 
 COMMAND = Command(

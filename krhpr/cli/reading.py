@@ -25,7 +25,20 @@ BRANCHES = ("mode", "assembly")
 """Arguments that may be given as labels."""
 
 Values = dict[str, Any]
-"""Arguments by name: arrays, or labels of a mode."""
+"""Arguments by name: arrays; a mode as a label or three, or as labels row by row."""
+
+
+@dataclass(frozen=True)
+class LabelRows:
+    """A mode's label, or three, for each row of a table."""
+
+    rows: tuple[str | list[str], ...]
+
+
+def split_labels(text: str) -> str | list[str]:
+    """A label, or three separated by commas."""
+    labels = [label.strip() for label in text.split(",")]
+    return labels[0] if len(labels) == 1 else labels
 
 
 @dataclass(frozen=True)
@@ -39,10 +52,14 @@ class Source:
 
 @dataclass(frozen=True)
 class Given:
-    """Arguments of one call, and what to call an element of its batch in a message."""
+    """Arguments of one call, and what to call an element of its batch in a message.
+
+    `stacked`: the elements of a list were put together, and come apart again in the answer.
+    """
 
     values: Values
     place: Callable[[tuple[int, ...]], str]
+    stacked: bool = False
 
 
 def read_source(path: str, wanted: str | None) -> Source:
@@ -108,7 +125,9 @@ def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def _element(found: Mapping[str, Any], signature: Signature, optional: Sequence[str], source: str, path: str) -> Values:
+def _element(
+    found: Mapping[str, Any], signature: Signature, optional: Sequence[str], source: str, path: str
+) -> Values:
     where = f"{source}: {path}" if path else source
     ports = {port.name: port for port in signature.inputs}
     _check_names(found, list(ports), optional, where, "argument", signature.name)
@@ -122,7 +141,9 @@ def _element(found: Mapping[str, Any], signature: Signature, optional: Sequence[
 
 
 def _is_label(value: Any) -> bool:
-    return isinstance(value, str) or (isinstance(value, list) and bool(value) and all(isinstance(v, str) for v in value))
+    return isinstance(value, str) or (
+        isinstance(value, list) and bool(value) and all(isinstance(v, str) for v in value)
+    )
 
 
 def _array(value: Any, port: Port, source: str, path: str) -> np.ndarray[Any, Any]:
@@ -165,7 +186,9 @@ def _number(value: Any, where: str) -> float:
 def _kind(value: Any) -> str:
     if isinstance(value, str):
         return f"the text {value!r}"
-    return "a list" if isinstance(value, list) else "an object" if isinstance(value, dict) else json.dumps(value)
+    return (
+        "a list" if isinstance(value, list) else "an object" if isinstance(value, dict) else json.dumps(value)
+    )
 
 
 def _stacked(elements: list[Values], signature: Signature, source: str) -> list[Given]:
@@ -178,7 +201,7 @@ def _stacked(elements: list[Values], signature: Signature, source: str) -> list[
     alike = elements and all(values.keys() == elements[0].keys() and single(values) for values in elements)
     if alike:
         together = {name: np.stack([values[name] for values in elements]) for name in elements[0]}
-        return [Given(together, lambda index: f"{source}: [{index[0]}]")]
+        return [Given(together, lambda index: f"{source}: [{index[0]}]" if index else source, stacked=True)]
     return [Given(values, _in_batch(f"{source}: [{n}]")) for n, values in enumerate(elements)]
 
 
@@ -200,11 +223,13 @@ def _from_csv(source: Source, signature: Signature, optional: Sequence[str]) -> 
     table: dict[str, list[Any]] = {name: [] for name in header}
     for line, row in rows:
         if len(row) != len(header):
-            raise WrongUse(f"{source.name}, line {line}: found {len(row)} cells, expected {len(header)} as in the header")
+            raise WrongUse(
+                f"{source.name}, line {line}: found {len(row)} cells, expected {len(header)} as in the header"
+            )
         for name, cell in zip(header, row, strict=True):
             where = f"{source.name}, line {line}, column {name}"
             table[name].append(cell.strip() if name in columns.labels else _cell(cell, where))
-    values: Values = {name: table[name] for name in columns.labels}
+    values: Values = {name: LabelRows(tuple(map(split_labels, table[name]))) for name in columns.labels}
     for port in columns.ports:
         stacked = np.array([table[name] for name in column_names(port)], dtype=float)
         values[port.name] = stacked.T.reshape((len(rows), *port.shape))
@@ -226,8 +251,10 @@ def _columns(header: Sequence[str], signature: Signature, optional: Sequence[str
             raise WrongUse(f"{source}, header: column {name!r} stands twice")
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
         raise WrongUse(f"{source}, header: found {header[0]!r}, expected columns separated by commas")
-    labels = tuple(name for name in header if name in BRANCHES and any(name == port.name for port in signature.inputs))
-    known = [name for port in signature.inputs for name in column_names(port)]
+    labels = tuple(
+        name for name in header if name in BRANCHES and any(name == port.name for port in signature.inputs)
+    )
+    known = [name for port in signature.inputs if port.name not in labels for name in column_names(port)]
     given = tuple(
         port
         for port in signature.inputs
@@ -239,7 +266,14 @@ def _columns(header: Sequence[str], signature: Signature, optional: Sequence[str
         if port in given or (port.name not in optional and port.name not in labels)
         for name in column_names(port)
     ]
-    _check_names(header, known + list(labels), [n for n in known if n not in needed], f"{source}, header", "column", signature.name)
+    _check_names(
+        header,
+        known + list(labels),
+        [n for n in known if n not in needed],
+        f"{source}, header",
+        "column",
+        signature.name,
+    )
     return _Columns(given, labels)
 
 
@@ -259,7 +293,12 @@ def _cell(text: str, where: str) -> float:
 
 
 def _check_names(
-    found: Sequence[str] | Mapping[str, Any], known: Sequence[str], optional: Sequence[str], where: str, what: str, function: str
+    found: Sequence[str] | Mapping[str, Any],
+    known: Sequence[str],
+    optional: Sequence[str],
+    where: str,
+    what: str,
+    function: str,
 ) -> None:
     for name in found:
         if name not in known:
@@ -269,7 +308,9 @@ def _check_names(
     missing = [name for name in known if name not in found and name not in optional]
     if missing:
         plural = "s" if len(missing) > 1 else ""
-        raise WrongUse(f"{where}: missing {what}{plural} {', '.join(missing)}; {function} takes {', '.join(known)}")
+        raise WrongUse(
+            f"{where}: missing {what}{plural} {', '.join(missing)}; {function} takes {', '.join(known)}"
+        )
 
 
 def _names(signature: Signature) -> str:

@@ -1,0 +1,1 @@
+"""From derivations to code, stage by stage; `pipeline` is the place to start reading."""

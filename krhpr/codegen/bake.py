@@ -11,7 +11,9 @@ from krhpr.codegen.passes import Part
 
 
 def baked_geometry(robot: RobotCode, name: str, geometry: Mapping[str, Sequence[float]] | None = None) -> str:
-    """`static const krhpr_<robot>_geometry <name> = {...};`, every field and everything prepared from them."""
+    """`static const krhpr_<robot>_geometry <name> = {...};`, every field and everything prepared from
+    them.
+    """
     values = robot.default_geometry if geometry is None else geometry
     members = [
         f"    .{member} = {{\n" + ",\n".join(_leg(part, values, leg) for leg in range(LEGS)) + "\n    }"

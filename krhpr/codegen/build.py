@@ -23,16 +23,21 @@ class Parts:
         return iter(self._built.values())
 
     def subleg(self, subleg: SubLeg) -> Part:
+        """The kernels of a sub-leg."""
         geometry = subleg.geometry()
-        return self._get(geometry.name) or self._keep(optimise(geometry.name, subleg.doc, geometry, subleg.kernels()))
+        return self._get(geometry.name) or self._keep(
+            optimise(geometry.name, subleg.doc, geometry, subleg.kernels())
+        )
 
     def platform(self, platform: Platform) -> Part:
+        """The kernels of a platform arrangement."""
         geometry = platform.geometry()
         return self._get(geometry.name) or self._keep(
             optimise(geometry.name, platform.doc, geometry, platform.kernels())
         )
 
     def algebra(self, space: Space) -> Part:
+        """The small products of one space."""
         name = f"algebra_{space}"
         doc = f"Small products that join sub-legs and platforms of {space} robots."
         return self._get(name) or self._keep(optimise(name, doc, None, algebra.kernels(space)))
@@ -76,7 +81,11 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
             "redundant": ((platform.redundant_joint.name, platform.redundant_joint.doc),),
             "singular factors": tuple(subleg.factor_names()),
             "type II": (("margins", platform.margins_doc), ("singular set", platform.type_2_doc)),
-            "sections": (("sub-leg", subleg.section), ("platform", platform.section), ("robot", entry.thesis)),
+            "sections": (
+                ("sub-leg", subleg.section),
+                ("platform", platform.section),
+                ("robot", entry.thesis),
+            ),
         },
     )
 

@@ -1,8 +1,8 @@
 """Functions of a robot: kernels called leg by leg and then for the whole platform.
 
-A `RobotFunction` has three stages: SHARED kernels (once), LEG kernels (for each of the three legs, in C a loop, in NumPy an
-array axis, in lanes a register), PLATFORM kernels (once, with all legs' results).  It is the same for every target; the
-printers only translate calls.
+A `RobotFunction` has three stages: SHARED kernels (once), LEG kernels (for each of the three legs, in C a
+loop, in NumPy an array axis, in lanes a register), PLATFORM kernels (once, with all legs' results).  It is
+the same for every target; the printers only translate calls.
 """
 
 from __future__ import annotations
@@ -41,7 +41,9 @@ STATUS_DOC = {
     Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
     Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
     Status.SINGULAR_LEG_3: "a factor of det M_3 vanishes",
-    Status.SINGULAR_IN_PLANE: "det J_a vanishes: the lines in the platform's plane meet in a point or are parallel",
+    Status.SINGULAR_IN_PLANE: (
+        "det J_a vanishes: the lines in the platform's plane meet in a point or are parallel"
+    ),
     Status.SINGULAR_NORMAL: "det J_n vanishes: S_1, S_2, S_3 are collinear",
     Status.NO_CONVERGENCE: "an iteration ended before it converged",
     Status.AMBIGUOUS: "several answers cannot be told apart",
@@ -81,15 +83,18 @@ class Call:
     outputs: Mapping[str, str]
 
     def variable_in(self, port: str) -> str:
+        """The variable that an input port of the kernel reads."""
         return self.inputs.get(port, port)
 
     def variable_out(self, port: str) -> str:
+        """The variable that an output port of the kernel makes."""
         return self.outputs.get(port, port)
 
 
 @dataclass(frozen=True)
 class Guard:
-    """A value that must keep a limit; where it does not (or is NaN) the answer is NaN and the status says why.
+    """A value that must keep a limit; where it does not (or is NaN) the answer is NaN and the status says
+    why.
 
     For a leg's value the status is `status` + the leg's index and only that leg's part of the answer is NaN.
     """
@@ -114,12 +119,14 @@ class RobotFunction:
     guards: tuple[Guard, ...] = ()
 
     def stage(self, stage: Stage) -> tuple[Call, ...]:
+        """The calls of one stage, in order."""
         return tuple(call for call in self.calls if call.stage is stage)
 
     @property
     def signature(self) -> str:
         """The generalized-ufunc signature; the last output is the status."""
-        return f"{','.join(_core(port) for port in self.inputs)}->{','.join(_core(port) for port in self.outputs)},()"
+        inputs, outputs = (",".join(map(_core, ports)) for ports in (self.inputs, self.outputs))
+        return f"{inputs}->{outputs},()"
 
 
 def _core(port: Port) -> str:
@@ -137,7 +144,9 @@ class Variable:
 
 
 def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, Variable]:
-    """Every variable of a function, with the stage in which it is made deciding whether each leg has its own."""
+    """Every variable of a function, with the stage in which it is made deciding whether each leg has its
+    own.
+    """
     found: dict[str, Variable] = {}
     for port in function.inputs:
         found[port.name] = Variable(port.name, port, port.per_leg, "input")
@@ -146,8 +155,9 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
         kernel = parts[call.part].kernel(call.kernel)
         for port in kernel.inputs:
             if call.variable_in(port.name) not in found:
+                wanted = call.variable_in(port.name)
                 raise ValueError(
-                    f"{function.name}: {call.part}.{call.kernel} reads {call.variable_in(port.name)!r} before it is made"
+                    f"{function.name}: {call.part}.{call.kernel} reads {wanted!r} before it is made"
                 )
         for port in kernel.outputs:
             name = call.variable_out(port.name)
@@ -184,9 +194,11 @@ class RobotCode:
 
     @property
     def parts(self) -> dict[str, Part]:
+        """Its parts by the names that calls use."""
         return {"subleg": self.subleg, "platform": self.platform, "algebra": self.algebra}
 
     def function(self, name: str) -> RobotFunction:
+        """A function by name."""
         for entry in self.functions:
             if entry.name == name:
                 return entry
@@ -212,5 +224,6 @@ def kernels_used(functions: tuple[RobotFunction, ...], parts: Mapping[str, Part]
     """The kernels of each part that the functions call, in printing order."""
     used = {(call.part, call.kernel) for function in functions for call in function.calls}
     return {
-        name: [kernel for kernel in part.kernels if (name, kernel.name) in used] for name, part in parts.items()
+        name: [kernel for kernel in part.kernels if (name, kernel.name) in used]
+        for name, part in parts.items()
     }

@@ -1,4 +1,6 @@
-"""Differentiation of the graph, in forward mode: the derivative of a program is another program of the same shape."""
+"""Differentiation of the graph, in forward mode: the derivative of a program is another program of the same
+shape.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,8 @@ def tangents(
 ) -> list[int | None]:
     """Derivatives of the nodes that `outputs` need along the direction `seeds`, written into `target`.
 
-    `place[i]` is where node i of `source` stands in `target`; `seeds` maps inputs of `source` to the nodes of `target`
-    that hold their rates.  None stands for a derivative that is zero.
+    `place[i]` is where node i of `source` stands in `target`; `seeds` maps inputs of `source` to the nodes of
+    `target` that hold their rates.  None stands for a derivative that is zero.
     """
     dots: list[int | None] = []
     needed = source.needed(outputs)
@@ -61,7 +63,9 @@ def _tangent(
             above = _minus(g, _times(g, rates[0], x), _times(g, rates[1], y))
             return None if above is None else g.div(above, g.add(g.mul(x, x), g.mul(y, y)))
         case _:
-            raise GraphError(f"{node.op.value} has no derivative everywhere; keep it out of what is differentiated")
+            raise GraphError(
+                f"{node.op.value} has no derivative everywhere; keep it out of what is differentiated"
+            )
 
 
 def _plus(g: Graph, a: int | None, b: int | None) -> int | None:

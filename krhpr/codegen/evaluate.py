@@ -1,7 +1,7 @@
 """Evaluation of graphs and robot functions over any numbers: floats, exact rationals, balls, mpmath, symbols.
 
-This is what "the derivation" means when printed code is compared with it: formulas are evaluated node by node, without
-any printer.  Numbers need + - * / and unary minus; the rest comes from an `Arithmetic`.
+This is what "the derivation" means when printed code is compared with it: formulas are evaluated node by
+node, without any printer.  Numbers need + - * / and unary minus; the rest comes from an `Arithmetic`.
 """
 
 from __future__ import annotations
@@ -113,12 +113,15 @@ def evaluate_function(
 ) -> dict[str, list[Any]]:
     """Outputs of a robot's function, flat and row-major in their full shape; guards are not applied.
 
-    `kernel_of(part, name)` gives the kernels (as derived, or optimised), `geometries[part][leg]` the prepared geometry.
+    `kernel_of(part, name)` gives the kernels (as derived, or optimised), `geometries[part][leg]` the prepared
+    geometry.
     """
     values: dict[str, Any] = {}
     for port in function.inputs:
         flat = list(inputs[port.name])
-        values[port.name] = [flat[leg * port.size : (leg + 1) * port.size] for leg in range(LEGS)] if port.per_leg else flat
+        values[port.name] = (
+            [flat[leg * port.size : (leg + 1) * port.size] for leg in range(LEGS)] if port.per_leg else flat
+        )
     per_leg = {port.name: port.per_leg for port in function.inputs}
     for call in function.calls:
         kernel = kernel_of(call.part, call.kernel)
@@ -130,7 +133,9 @@ def evaluate_function(
                 name = call.variable_in(port.name)
                 if per_leg[name]:
                     parts = values[name]
-                    arguments[port.name] = parts[leg] if leg is not None else [x for part in parts for x in part]
+                    arguments[port.name] = (
+                        parts[leg] if leg is not None else [x for part in parts for x in part]
+                    )
                 else:
                     arguments[port.name] = values[name]
             geometry = None
@@ -157,5 +162,7 @@ def _whole(port: Port, value: Any, zero: Any) -> list[Any]:
     for leg, block in enumerate(value):
         for row in range(rows):
             for column in range(columns):
-                whole[(leg * rows + row) * columns * LEGS + leg * columns + column] = block[row * columns + column]
+                whole[(leg * rows + row) * columns * LEGS + leg * columns + column] = block[
+                    row * columns + column
+                ]
     return whole

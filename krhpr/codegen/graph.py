@@ -1,14 +1,14 @@
 """Expression graphs: straight-line programs in which no expression stands twice.
 
-A `Graph` is a list of nodes in evaluation order.  Nodes are value-numbered: asking for an operation that exists
-returns the node that exists, so common sub-expressions are shared from the start.  Only identities that hold in
-exact arithmetic *and* never turn a finite floating-point result into a different one are applied on the way in
-(x + 0, x * 1, double negation, signs moved outwards, folding of rational constants).
+A `Graph` is a list of nodes in evaluation order.  Nodes are value-numbered: asking for an operation that
+exists returns the node that exists, so common sub-expressions are shared from the start.  Only identities
+that hold in exact arithmetic *and* never turn a finite floating-point result into a different one are applied
+on the way in (x + 0, x * 1, double negation, signs moved outwards, folding of rational constants).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -57,7 +57,9 @@ class Node:
 
 @dataclass(frozen=True)
 class Name:
-    """The name that a derivation gave to a node (`u_1`, component 0), with a remark such as an equation number."""
+    """The name that a derivation gave to a node (`u_1`, component 0), with a remark such as an equation
+    number.
+    """
 
     text: str
     component: str = ""
@@ -82,12 +84,15 @@ class Graph:
     def __iter__(self) -> Iterator[tuple[int, Node]]:
         return iter(enumerate(self.nodes))
 
-    # -- leaves -------------------------------------------------------------------------------------------------
+    # -- leaves
+    # -------------------------------------------------------------------------------------------------
 
     def constant(self, value: int | Fraction) -> int:
+        """A rational constant."""
         return self._emit(Node(Op.CONST, (), Fraction(value)))
 
     def input(self, port: str, index: int) -> int:
+        """One component of an input port."""
         return self._emit(Node(Op.INPUT, (), InputRef(port, index)))
 
     def value(self, node: int) -> Fraction | None:
@@ -95,9 +100,11 @@ class Graph:
         entry = self.nodes[node]
         return entry.value if isinstance(entry.value, Fraction) else None
 
-    # -- operations ---------------------------------------------------------------------------------------------
+    # -- operations
+    # ---------------------------------------------------------------------------------------------
 
     def add(self, a: int, b: int) -> int:
+        """The node of a + b."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.constant(x + y)
@@ -113,6 +120,7 @@ class Graph:
         return self._emit(Node(Op.ADD, (a, b)))
 
     def sub(self, a: int, b: int) -> int:
+        """The node of a - b."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.constant(x - y)
@@ -130,6 +138,7 @@ class Graph:
         return self._emit(Node(Op.SUB, (a, b)))
 
     def mul(self, a: int, b: int) -> int:
+        """The node of a * b."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.constant(x * y)
@@ -153,6 +162,7 @@ class Graph:
         return self._emit(Node(Op.MUL, (a, b)))
 
     def div(self, a: int, b: int) -> int:
+        """The node of a / b; division by a constant becomes a product."""
         x, y = self.value(a), self.value(b)
         if y == 0:
             raise GraphError("division by the constant zero")
@@ -168,6 +178,7 @@ class Graph:
         return self._emit(Node(Op.DIV, (a, b)))
 
     def neg(self, a: int) -> int:
+        """The node of -a."""
         x = self.value(a)
         if x is not None:
             return self.constant(-x)
@@ -192,11 +203,13 @@ class Graph:
         return result
 
     def sqrt(self, a: int) -> int:
+        """The node of the square root."""
         if self.value(a) in (0, 1):
             return a
         return self._emit(Node(Op.SQRT, (a,)))
 
     def sin(self, a: int) -> int:
+        """The node of the sine; signs move outwards."""
         if self.value(a) == 0:
             return a
         negated = self._negated(a)
@@ -205,6 +218,7 @@ class Graph:
         return self._emit(Node(Op.SIN, (a,)))
 
     def cos(self, a: int) -> int:
+        """The node of the cosine; signs vanish."""
         if self.value(a) == 0:
             return self.constant(1)
         negated = self._negated(a)
@@ -213,21 +227,25 @@ class Graph:
         return self._emit(Node(Op.COS, (a,)))
 
     def atan2(self, y: int, x: int) -> int:
+        """The node of the angle of (x, y)."""
         return self._emit(Node(Op.ATAN2, (y, x)))
 
     def absolute(self, a: int) -> int:
+        """The node of |a|."""
         negated = self._negated(a)
         return self._emit(Node(Op.ABS, (a if negated is None else negated,)))
 
     def minimum(self, a: int, b: int) -> int:
+        """The smaller of two; the second where the first is NaN."""
         return a if a == b else self._emit(Node(Op.MIN, (a, b)))
 
     def maximum(self, a: int, b: int) -> int:
+        """The larger of two; the second where the first is NaN."""
         return a if a == b else self._emit(Node(Op.MAX, (a, b)))
 
     def apply(self, op: Op, args: Sequence[int]) -> int:
         """The operation `op` on existing nodes, simplified as on first construction."""
-        methods = {
+        methods: dict[Op, Callable[..., int]] = {
             Op.ADD: self.add,
             Op.SUB: self.sub,
             Op.MUL: self.mul,
@@ -251,15 +269,20 @@ class Graph:
             return self.input(node.value.port, node.value.index)
         return self.apply(node.op, [place[argument] for argument in node.args])
 
-    # -- structure ----------------------------------------------------------------------------------------------
+    # -- structure
+    # ----------------------------------------------------------------------------------------------
 
     def name(self, node: int, name: Name) -> None:
         """Name a node; the first name stays, and leaves keep the name of their port."""
         if self.nodes[node].op not in LEAVES:
             self.names.setdefault(node, name)
 
-    def copy_into(self, target: Graph, bound: Mapping[InputRef, int], *, keep_names: bool = True) -> list[int]:
-        """Write this graph into `target` with its inputs replaced; returns the node there of every node here."""
+    def copy_into(
+        self, target: Graph, bound: Mapping[InputRef, int], *, keep_names: bool = True
+    ) -> list[int]:
+        """Write this graph into `target` with its inputs replaced; returns the node there of every node
+        here.
+        """
         place: list[int] = []
         for index, node in self:
             replaced = bound.get(node.value) if isinstance(node.value, InputRef) else None
@@ -319,9 +342,11 @@ class OperationCount:
 
     @property
     def total(self) -> int:
+        """All operations together."""
         return sum(self.as_dict().values())
 
     def as_dict(self) -> dict[str, int]:
+        """Counts by kind."""
         return {
             "add": self.add,
             "multiply": self.multiply,

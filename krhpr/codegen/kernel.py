@@ -66,14 +66,17 @@ class Port:
 
     @property
     def size(self) -> int:
+        """Number of elements of one leg's part (of the whole where it is shared)."""
         return prod(self.shape)
 
     @property
     def per_leg(self) -> bool:
+        """Whether each leg has a part of its own."""
         return self.layout is not Layout.SHARED
 
     @property
     def full_shape(self) -> tuple[int, ...]:
+        """Shape of the robot's array."""
         if self.layout is Layout.SHARED:
             return self.shape
         if self.layout is Layout.STACKED:
@@ -84,6 +87,7 @@ class Port:
 
     @property
     def full_size(self) -> int:
+        """Number of elements of the robot's array."""
         return prod(self.full_shape)
 
 
@@ -101,7 +105,8 @@ class GeometryField:
 class GeometryType:
     """The geometry of one leg's part: the fields that a person sets and the vectors prepared from them.
 
-    `prepare` is a kernel from the fields (scalars) to the prepared vectors and matrices, which every kernel may use.
+    `prepare` is a kernel from the fields (scalars) to the prepared vectors and matrices, which every kernel
+    may use.
     """
 
     name: str
@@ -110,6 +115,7 @@ class GeometryType:
     prepare: Kernel
 
     def field(self, name: str) -> GeometryField:
+        """A field by name."""
         return next(entry for entry in self.fields if entry.name == name)
 
 
@@ -120,9 +126,9 @@ GEOMETRY_PREFIX = "g."
 class Kernel:
     """A straight-line function with typed inputs and outputs.
 
-    `results` gives, for each output port, its nodes in row-major order.  Inputs of the graph that start with `g.` are
-    fields of `geometry` (`g.l_2`) or vectors prepared from it (`g.e_1`).
-    `written` counts operations in the formulas as they were written, before anything is shared.
+    `results` gives, for each output port, its nodes in row-major order.  Inputs of the graph that start with
+    `g.` are fields of `geometry` (`g.l_2`) or vectors prepared from it (`g.e_1`). `written` counts operations
+    in the formulas as they were written, before anything is shared.
     """
 
     name: str
@@ -138,16 +144,20 @@ class Kernel:
 
     @property
     def result_nodes(self) -> tuple[int, ...]:
+        """Nodes of all outputs, port by port."""
         return tuple(node for port in self.outputs for node in self.results[port.name])
 
     @property
     def operations(self) -> OperationCount:
+        """Operations of one call."""
         return count_operations(self.graph, self.result_nodes)
 
     def input_port(self, name: str) -> Port:
+        """An input by name."""
         return _find(self.inputs, name, self.name)
 
     def output_port(self, name: str) -> Port:
+        """An output by name."""
         return _find(self.outputs, name, self.name)
 
 

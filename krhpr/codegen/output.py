@@ -1,7 +1,8 @@
-"""Files against a folder: what would change and why, and writing that leaves old files whole when it is interrupted.
+"""Files against a folder: what would change and why, and writing that leaves old files whole when it is
+interrupted.
 
-A generated file says of itself that it is one (`MARK`).  Files of a folder that do not are somebody's own: they are
-reported, and never removed.
+A generated file says of itself that it is one (`MARK`).  Files of a folder that do not are somebody's own:
+they are reported, and never removed.
 """
 
 from __future__ import annotations
@@ -64,7 +65,11 @@ def compare(files: Sequence[File], folder: Path) -> list[Change]:
             changes.append(Change(path, Difference.ORPHAN, "nothing generates this file any more"))
         else:
             changes.append(
-                Change(path, Difference.FOREIGN, "nothing generates this file, and it is left alone: move it elsewhere")
+                Change(
+                    path,
+                    Difference.FOREIGN,
+                    "nothing generates this file, and it is left alone: move it elsewhere",
+                )
             )
     return changes
 
@@ -81,8 +86,8 @@ def is_generated(path: Path) -> bool:
 def write(files: Sequence[File], folder: Path, changes: Iterable[Change] | None = None) -> list[Change]:
     """Make `folder` hold `files` and no other generated ones; returns what changed.
 
-    Everything is first written to a folder inside (the same file system), then moved into place file by file; where
-    that is interrupted by an exception, the files moved so far are put back.
+    Everything is first written to a folder inside (the same file system), then moved into place file by file;
+    where that is interrupted by an exception, the files moved so far are put back.
     """
     found = compare(files, folder) if changes is None else changes
     todo = [change for change in found if change.difference is not Difference.FOREIGN]

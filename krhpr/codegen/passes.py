@@ -1,6 +1,7 @@
 """Passes over kernels: each takes a kernel (or the kernels of one part) and returns an equal, cheaper one.
 
-Common sub-expressions, integer powers as products and signs are dealt with when a graph is built (`graph.py`).
+Common sub-expressions, integer powers as products and signs are dealt with when a graph is built
+(`graph.py`).
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ DERIVED = "k"
 
 @dataclass(frozen=True)
 class Part:
-    """The kernels that share one geometry (a sub-leg, a platform arrangement, or plain algebra), ready to print."""
+    """The kernels that share one geometry (a sub-leg, a platform arrangement, or plain algebra), ready to
+    print.
+    """
 
     name: str
     doc: str
@@ -28,6 +31,7 @@ class Part:
     written: dict[str, int]
 
     def kernel(self, name: str) -> Kernel:
+        """A kernel by name."""
         for entry in self.kernels:
             if entry.name == name:
                 return entry
@@ -62,7 +66,9 @@ def hoist_reciprocals(kernel: Kernel) -> Kernel:
 
 
 def fold_prepared_constants(geometry: GeometryType, kernel: Kernel) -> Kernel:
-    """Prepared components that are the same for every geometry (e_t has no z) become constants in the kernel."""
+    """Prepared components that are the same for every geometry (e_t has no z) become constants in the
+    kernel.
+    """
     known: dict[InputRef, Fraction] = {}
     for name, nodes in geometry.prepare.results.items():
         for index, result in enumerate(nodes):
@@ -71,7 +77,11 @@ def fold_prepared_constants(geometry: GeometryType, kernel: Kernel) -> Kernel:
                 known[InputRef(GEOMETRY_PREFIX + name, index)] = value
 
     def rule(target: Graph, index: int, node: Node, place: Sequence[int]) -> int | None:
-        return target.constant(known[node.value]) if isinstance(node.value, InputRef) and node.value in known else None
+        return (
+            target.constant(known[node.value])
+            if isinstance(node.value, InputRef) and node.value in known
+            else None
+        )
 
     return _replay(kernel, rule)
 
@@ -85,27 +95,14 @@ def precompute_parameters(
     place = prepare.graph.copy_into(graph, {})
     results = {name: tuple(place[node] for node in nodes) for name, nodes in prepare.results.items()}
     columns: dict[int, int] = {}  # node of the new prepare -> index in `k`
-    rewritten: list[Kernel] = []
-    for kernel in kernels:
-        constant = _depends_on_geometry_alone(kernel)
-        wanted = _frontier(kernel, constant)
-        bound = {
-            InputRef(GEOMETRY_PREFIX + name, index): node
-            for name, nodes in results.items()
-            for index, node in enumerate(nodes)
-        }
-        for entry in geometry.fields:
-            bound[InputRef(GEOMETRY_PREFIX + entry.name, 0)] = graph.input(entry.name, 0)
-        there = _copy_some(kernel.graph, graph, bound, constant)
-
-        def rule(
-            target: Graph, index: int, node: Node, place: Sequence[int], *, wanted=wanted, there=there
-        ) -> int | None:
-            if index not in wanted:
-                return None
-            return target.input(GEOMETRY_PREFIX + DERIVED, columns.setdefault(there[index], len(columns)))
-
-        rewritten.append(_replay(kernel, rule))
+    bound = {
+        InputRef(GEOMETRY_PREFIX + name, index): node
+        for name, nodes in results.items()
+        for index, node in enumerate(nodes)
+    }
+    for entry in geometry.fields:
+        bound[InputRef(GEOMETRY_PREFIX + entry.name, 0)] = graph.input(entry.name, 0)
+    rewritten = [_read_prepared(kernel, graph, bound, columns) for kernel in kernels]
     if not columns:
         return geometry, list(kernels)
     derived = Port(
@@ -128,6 +125,22 @@ def precompute_parameters(
         prepare.written,
     )
     return replace(geometry, prepare=full), rewritten
+
+
+def _read_prepared(
+    kernel: Kernel, prepare: Graph, bound: dict[InputRef, int], columns: dict[int, int]
+) -> Kernel:
+    """A kernel whose geometry-only nodes are read from `k`; they are written into the graph of `prepare`."""
+    constant = _depends_on_geometry_alone(kernel)
+    wanted = _frontier(kernel, constant)
+    there = _copy_some(kernel.graph, prepare, bound, constant)
+
+    def rule(target: Graph, index: int, node: Node, place: Sequence[int]) -> int | None:
+        if index not in wanted:
+            return None
+        return target.input(GEOMETRY_PREFIX + DERIVED, columns.setdefault(there[index], len(columns)))
+
+    return _replay(kernel, rule)
 
 
 def remove_dead_code(kernel: Kernel) -> Kernel:
@@ -153,7 +166,9 @@ Rule = Callable[[Graph, int, Node, Sequence[int]], "int | None"]
 
 
 def _replay(kernel: Kernel, rule: Rule | None = None, order: Sequence[int] | None = None) -> Kernel:
-    """Write a kernel's graph anew: in another order, without some nodes, or with a rule that replaces nodes."""
+    """Write a kernel's graph anew: in another order, without some nodes, or with a rule that replaces
+    nodes.
+    """
     target = Graph()
     place = [-1] * len(kernel.graph)
     for index in range(len(kernel.graph)) if order is None else order:
@@ -181,7 +196,9 @@ def _depends_on_geometry_alone(kernel: Kernel) -> list[bool]:
 
 
 def _frontier(kernel: Kernel, alone: Sequence[bool]) -> set[int]:
-    """The geometry-only nodes that the rest of the kernel reads; leaves and mere sign changes are left where they are."""
+    """The geometry-only nodes that the rest of the kernel reads; leaves and mere sign changes are left where
+    they are.
+    """
     graph = kernel.graph
     needed = graph.needed(kernel.result_nodes)
     readers: set[int] = set(kernel.result_nodes)

@@ -1,13 +1,14 @@
 """Elementary functions at the two ends of a kernel, so that a target can compute them for all legs at once.
 
-Most kernels begin with sines and cosines of their joints and end with arctangents; between the two they are algebra.  `split`
-takes the ends off:
+Most kernels begin with sines and cosines of their joints and end with arctangents; between the two they are
+algebra.  `split` takes the ends off:
 
     angles:  inputs -> angle[m]                       (sums of joints)
     body:    inputs, sine[m], cosine[m] -> outputs, tail_y[t], tail_x[t]
     tail:    outputs = atan2(tail_y, tail_x)
 
-A loop over `angle` of all legs then computes every sine and cosine side by side, which compilers turn into vector code.
+A loop over `angle` of all legs then computes every sine and cosine side by side, which compilers turn into
+vector code.
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ def split(kernel: Kernel) -> Phases:
             graph.name(place[-1], kernel.graph.names[index])
     ended = {tail.port.name for tail in tails}
     results = {
-        name: tuple(place[node] for node in nodes) for name, nodes in kernel.results.items() if name not in ended
+        name: tuple(place[node] for node in nodes)
+        for name, nodes in kernel.results.items()
+        if name not in ended
     }
     outputs = [port for port in kernel.outputs if port.name not in ended]
     if pairs:
@@ -65,7 +68,9 @@ def split(kernel: Kernel) -> Phases:
     inputs = list(kernel.inputs)
     if arguments:
         for name in ("sine", "cosine"):
-            inputs.append(Port(name, (len(arguments),), Unit.NONE, Frame.NONE, f"{name}s of the kernel's angles"))
+            inputs.append(
+                Port(name, (len(arguments),), Unit.NONE, Frame.NONE, f"{name}s of the kernel's angles")
+            )
     body = replace(kernel, graph=graph, results=results, inputs=tuple(inputs), outputs=tuple(outputs))
     body = _drop_unread(remove_dead_code(body), {port.name for port in kernel.inputs}) if arguments else body
     return Phases(_angle_kernel(kernel, list(arguments)), remove_dead_code(body), tails, len(pairs))
@@ -101,7 +106,9 @@ def _trailing_arctangents(kernel: Kernel) -> tuple[tuple[Tail, ...], list[tuple[
 def _angle_kernel(kernel: Kernel, arguments: list[int]) -> Kernel | None:
     if not arguments:
         return None
-    port = Port("angle", (len(arguments),), Unit.RADIAN, Frame.JOINT, "angles whose sine and cosine the kernel reads")
+    port = Port(
+        "angle", (len(arguments),), Unit.RADIAN, Frame.JOINT, "angles whose sine and cosine the kernel reads"
+    )
     angles = replace(
         kernel,
         name=f"{kernel.name}_angles",

@@ -1,4 +1,6 @@
-"""Files of `generated/` that tell about the others: packages, a README, the operation counts, the CMake project."""
+"""Files of `generated/` that tell about the others: packages, a README, the operation counts, the CMake
+project.
+"""
 
 from __future__ import annotations
 

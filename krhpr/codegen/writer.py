@@ -7,8 +7,8 @@
     k.output("M", ...)
     kernel = k.kernel()
 
-`let` gives a SymPy expression a name and hands back fresh symbols for it, so that SymPy never sees an expression grow
-and the generated code keeps the thesis' names.
+`let` gives a SymPy expression a name and hands back fresh symbols for it, so that SymPy never sees an
+expression grow and the generated code keeps the thesis' names.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from types import SimpleNamespace
-from typing import Any, overload
+from typing import Any
 
 import sympy as sp
 
@@ -32,13 +32,17 @@ from krhpr.codegen.kernel import (
     Unit,
 )
 
-RESERVED = frozenset({"I", "if", "lambda", "near", "far", "complex", "in", "is", "not", "int", "double", "for", "g"})
+RESERVED = frozenset(
+    {"I", "if", "lambda", "near", "far", "complex", "in", "is", "not", "int", "double", "for", "g"}
+)
 
 
 class KernelWriter:
     """Collects the formulas of one kernel; `kernel()` ends it."""
 
-    def __init__(self, name: str, doc: str, equations: str = "", geometry: GeometryType | None = None) -> None:
+    def __init__(
+        self, name: str, doc: str, equations: str = "", geometry: GeometryType | None = None
+    ) -> None:
         self._name, self._doc, self._equations = name, doc, equations
         self._geometry = geometry
         self._graph = Graph()
@@ -50,7 +54,8 @@ class KernelWriter:
         self._written = 0
         self.g = self._geometry_symbols(geometry)
 
-    # -- ports --------------------------------------------------------------------------------------------------
+    # -- ports
+    # --------------------------------------------------------------------------------------------------
 
     def input(
         self,
@@ -66,6 +71,7 @@ class KernelWriter:
         return self.add_input(Port(name, shape, unit, frame, doc, layout, labels))
 
     def add_input(self, port: Port) -> Any:
+        """Declare an input with a port that exists."""
         if port.name in RESERVED:
             raise GraphError(f"{port.name!r} is a reserved word in a target language; choose another name")
         self._inputs.append(port)
@@ -88,22 +94,23 @@ class KernelWriter:
         self.add_output(Port(name, shape, unit, frame, doc, layout, labels), value)
 
     def add_output(self, port: Port, value: Any) -> None:
-        """Declare an output with a port that exists; `value` may have any shape with the port's number of elements."""
+        """Declare an output with a port that exists; `value` may have any shape with the port's number of
+        elements.
+        """
         flat = _flat(value)
         if len(flat) != port.size:
-            raise GraphError(f"output {port.name!r} of {self._name!r} has {len(flat)} elements, not {port.shape}")
+            raise GraphError(
+                f"output {port.name!r} of {self._name!r} has {len(flat)} elements, not {port.shape}"
+            )
         nodes = tuple(self._convert(entry) for entry in flat)
         for component, node in zip(_components(port.shape), nodes, strict=True):
             self._graph.name(node, Name(port.name, component, ""))
         self._outputs.append(port)
         self._results[port.name] = nodes
 
-    # -- formulas -----------------------------------------------------------------------------------------------
+    # -- formulas
+    # -----------------------------------------------------------------------------------------------
 
-    @overload
-    def let(self, name: str, value: sp.MatrixBase, note: str = "") -> sp.Matrix: ...
-    @overload
-    def let(self, name: str, value: sp.Expr, note: str = "") -> sp.Symbol: ...
     def let(self, name: str, value: Any, note: str = "") -> Any:
         """Give an expression a name; returns symbols that stand for it."""
         if isinstance(value, sp.MatrixBase):
@@ -120,12 +127,15 @@ class KernelWriter:
         return self._symbol(self._graph.atan2(self._convert(y), self._convert(x)))
 
     def minimum(self, *values: Any) -> sp.Symbol:
+        """The smallest of several values."""
         return self._fold(values, self._graph.minimum)
 
     def maximum(self, *values: Any) -> sp.Symbol:
+        """The largest of several values."""
         return self._fold(values, self._graph.maximum)
 
     def absolute(self, value: Any) -> sp.Symbol:
+        """The absolute value, kept as one operation."""
         return self._symbol(self._graph.absolute(self._convert(value)))
 
     def call(self, kernel: Kernel, /, **arguments: Any) -> SimpleNamespace:
@@ -138,7 +148,8 @@ class KernelWriter:
     def call_tangent(
         self, kernel: Kernel, output: str, arguments: Mapping[str, Any], directions: Mapping[str, Any]
     ) -> tuple[Any, Any]:
-        """One output of a kernel and its derivative along `directions` (inputs without a direction stay fixed).
+        """One output of a kernel and its derivative along `directions` (inputs without a direction stay
+        fixed).
 
         Differentiation happens on the graph (forward mode), so nothing is expanded.
         """
@@ -171,7 +182,8 @@ class KernelWriter:
             self._geometry,
         )
 
-    # -- conversion ---------------------------------------------------------------------------------------------
+    # -- conversion
+    # ---------------------------------------------------------------------------------------------
 
     def _geometry_symbols(self, geometry: GeometryType | None) -> SimpleNamespace:
         symbols: dict[str, Any] = {}
@@ -230,7 +242,9 @@ class KernelWriter:
         for port in kernel.inputs:
             flat = _flat(arguments[port.name])
             if len(flat) != port.size:
-                raise GraphError(f"{port.name!r} of {kernel.name!r} has {len(flat)} elements, not {port.shape}")
+                raise GraphError(
+                    f"{port.name!r} of {kernel.name!r} has {len(flat)} elements, not {port.shape}"
+                )
             for index, entry in enumerate(flat):
                 bound[InputRef(port.name, index)] = self._convert(entry)
         return bound
@@ -242,7 +256,9 @@ class KernelWriter:
             if not port.shape:
                 values[port.name] = parts[0]
             elif len(port.shape) <= 2:
-                values[port.name] = sp.Matrix(port.shape[0], port.shape[1] if len(port.shape) == 2 else 1, parts)
+                values[port.name] = sp.Matrix(
+                    port.shape[0], port.shape[1] if len(port.shape) == 2 else 1, parts
+                )
             else:
                 values[port.name] = parts
         return SimpleNamespace(**values)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from krhpr.codegen.evaluate import Arithmetic
-from krhpr.codegen.kernel import LEGS
+from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.validation.arithmetic import BALLS, RATIONAL
 from krhpr.validation.draw import Draw
 from krhpr.validation.linear import dot, minus
@@ -39,19 +39,17 @@ class Configuration:
         size = len(values) // LEGS
         return values[size * leg : size * (leg + 1)]
 
-    def kernel(self, part: str, name: str, leg: int, **inputs: Any) -> dict[str, list[Any]]:
-        """A kernel of one leg as derived; what is not given is taken from the configuration."""
-        kernel = self.subject.derived(part, name)
+    def kernel(self, part: str, kernel: Kernel | str, leg: int, **inputs: Any) -> dict[str, list[Any]]:
+        """A kernel of one leg, as derived; what is not given is taken from the configuration."""
+        found = self.subject.derived(part, kernel) if isinstance(kernel, str) else kernel
         arguments = {}
-        for port in kernel.inputs:
+        for port in found.inputs:
             if port.name in inputs:
                 value = inputs[port.name]
                 arguments[port.name] = value if isinstance(value, list) else [value]
-            elif port.name == "Q":
-                arguments[port.name] = self.values["Q"]
             else:
                 arguments[port.name] = self.leg(port.name, leg) if port.per_leg else self.values[port.name]
-        return self.subject.kernel(part, name, arguments, self.geometry, leg, self.arithmetic)
+        return self.subject.kernel(part, found, arguments, self.geometry, leg, self.arithmetic)
 
     def call(self, name: str, **inputs: list[Any]) -> dict[str, list[Any]]:
         """A robot's function by the derivation; what is not given is taken from the configuration."""

@@ -95,15 +95,16 @@ class Subject:
         }
 
     def kernel(
-        self, part: str, name: str, inputs: Inputs, geometry: Fields, leg: int, arithmetic: Arithmetic
+        self, part: str, kernel: Kernel | str, inputs: Inputs, geometry: Fields, leg: int, arithmetic: Arithmetic
     ) -> Outputs:
-        """A kernel as derived, evaluated for one leg."""
+        """A kernel of a part (as derived, where it is named) evaluated for one leg."""
         kind = self.geometry_types.get(part)
         prepared = None
         if kind is not None:
             fields = {field.name: geometry[field.name][leg] for field in kind.fields}
             prepared = prepare_geometry(kind, fields, arithmetic)
-        return evaluate_kernel(self.derived(part, name), inputs, prepared, arithmetic)
+        found = self.derived(part, kernel) if isinstance(kernel, str) else kernel
+        return evaluate_kernel(found, inputs, prepared, arithmetic)
 
     def function(self, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
         """A robot's function by the derivation, guards not applied."""

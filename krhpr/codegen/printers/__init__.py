@@ -1,0 +1,1 @@
+"""Printers: graphs as named lines of one language."""

@@ -18,15 +18,19 @@ FUNCTIONS = {
     Op.MAX: "krhpr_max",
 }
 
-RESERVED = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
-    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while near far I "
-    "j0 j1 jn y0 y1 yn gamma signgam g leg".split()
-)
+_WORDS = """
+auto break case char const continue default do double else enum extern float for goto if inline int long
+register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+near far I j0 j1 jn y0 y1 yn gamma signgam g leg i k angle sine cosine tail tail_x tail_y status
+"""
+RESERVED = frozenset(_WORDS.split())
+"""Keywords, macros, functions of math.h and the names that the templates use."""
 
 
 def constant(value: Fraction) -> str:
-    """A literal that the compiler reads as the nearest double, and that is exact when read as decimal text."""
+    """A literal that the compiler reads as the nearest double, and that is exact when read as decimal
+    text.
+    """
     if value.denominator == 1:
         return f"{value.numerator}.0"
     if Fraction(float(value)) == value and value.denominator <= 1024:
@@ -36,7 +40,9 @@ def constant(value: Fraction) -> str:
 
 def print_kernel(kernel: Kernel) -> Body:
     """Lines of a kernel; inputs are elements of arrays, scalars are plain parameters."""
-    return print_body(kernel, Dialect(FUNCTIONS, constant, lambda ref: _input(kernel, ref), RESERVED, pairs=True))
+    return print_body(
+        kernel, Dialect(FUNCTIONS, constant, lambda ref: _input(kernel, ref), RESERVED, pairs=True)
+    )
 
 
 def _input(kernel: Kernel, ref: InputRef) -> str:

@@ -1,7 +1,7 @@
 """From a graph to named lines of infix code, the form that all targets share.
 
-A node gets a line of its own when it has a name, is used more than once, or when its expression would grow too long; the
-rest is written in place.  Parentheses keep the order of operations of the graph exactly.
+A node gets a line of its own when it has a name, is used more than once, or when its expression would grow
+too long; the rest is written in place.  Parentheses keep the order of operations of the graph exactly.
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ class Body:
 
 @dataclass(frozen=True)
 class Dialect:
-    """What differs between targets: names of functions, literals, how an input is read, words that must not be names.
+    """What differs between targets: names of functions, literals, how an input is read, words that must not
+    be names.
 
     With `pairs`, a sine and a cosine of one angle become one statement.
     """
@@ -148,7 +149,9 @@ class _Printer:
 
     def _inputs(self) -> list[InputRef]:
         return [
-            node.value for index, node in self.graph if self.needed[index] and isinstance(node.value, InputRef)
+            node.value
+            for index, node in self.graph
+            if self.needed[index] and isinstance(node.value, InputRef)
         ]
 
     def _expression(self, node: Node) -> tuple[str, int]:
@@ -176,6 +179,10 @@ class _Printer:
         name, number = wanted, 1
         while name in self.taken:
             number += 1
-            name = f"{wanted}_{'abcdefghijklmnopqrstuvwxyz'[number - 2]}" if number < 28 else f"{wanted}_{number}"
+            name = (
+                f"{wanted}_{'abcdefghijklmnopqrstuvwxyz'[number - 2]}"
+                if number < 28
+                else f"{wanted}_{number}"
+            )
         self.taken.add(name)
         return name

@@ -1,4 +1,6 @@
-"""The Python dialects: component-wise NumPy, and CasADi's SX, which differ in the names of functions alone."""
+"""The Python dialects: component-wise NumPy, and CasADi's SX, which differ in the names of functions
+alone.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What every target does: turn parts and robots into files.  A target is one module here and one folder of templates."""
+"""What every target does: turn parts and robots into files.  A target is one module here and one folder of
+templates.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ class Target(Protocol):
 
 @cache
 def environment() -> jinja2.Environment:
-    """The template environment: undefined names are errors, nothing is escaped, blocks leave no blank lines."""
+    """The template environment: undefined names are errors, nothing is escaped, blocks leave no blank
+    lines.
+    """
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader(list(krhpr.templates.__path__)),
         undefined=jinja2.StrictUndefined,
@@ -85,6 +89,7 @@ def port_literal(port: Port) -> str:
 
 
 def shape_text(shape: Sequence[int]) -> str:
+    """A shape in words: `3 x 3`, or `scalar`."""
     return " x ".join(str(length) for length in shape) if shape else "scalar"
 
 

@@ -112,7 +112,13 @@ class CTarget:
             prepare = _kernel_view(part.name, part.geometry.prepare)
         yield File(
             f"c/krhpr_{part.name}.h",
-            render("c/part.h.j2", part=part, kernels=kernels, prepare=prepare, geometry=_geometry_view(part.geometry)),
+            render(
+                "c/part.h.j2",
+                part=part,
+                kernels=kernels,
+                prepare=prepare,
+                geometry=_geometry_view(part.geometry),
+            ),
         )
 
     def robot(self, robot: RobotCode) -> Iterable[File]:
@@ -133,7 +139,8 @@ class CTarget:
         yield File(f"c/krhpr_{robot.identifier}.c", render("c/robot.c.j2", **context))
 
 
-# -- kernels ----------------------------------------------------------------------------------------------------------
+# -- kernels
+# ----------------------------------------------------------------------------------------------------------
 
 
 def _kernel_view(part: str, kernel: Kernel) -> _KernelView:
@@ -152,7 +159,9 @@ def _kernel_view(part: str, kernel: Kernel) -> _KernelView:
             for port in kernel.outputs
             for index, text in enumerate(body.results[port.name])
         )
-        return _KernelView(f"krhpr_{part}_prepare", kernel_comment(kernel), tuple(parameters), (), body_lines, stores)
+        return _KernelView(
+            f"krhpr_{part}_prepare", kernel_comment(kernel), tuple(parameters), (), body_lines, stores
+        )
     parameters += [_parameter(port, output=True) for port in kernel.outputs]
     stores = tuple(
         (_element(port, index, output=True), text)
@@ -191,7 +200,8 @@ def _element(port: Port, index: int, *, output: bool = False) -> str:
     return f"*{port.name}" if output else port.name
 
 
-# -- geometry ---------------------------------------------------------------------------------------------------------
+# -- geometry
+# ---------------------------------------------------------------------------------------------------------
 
 
 def _geometry_view(geometry: GeometryType | None) -> dict[str, list[tuple[str, str]]]:
@@ -220,7 +230,8 @@ def _default_geometry(robot: RobotCode) -> list[str]:
     return [", ".join(repr(robot.default_geometry[name][leg]) for name in names) for leg in range(LEGS)]
 
 
-# -- functions of a robot ---------------------------------------------------------------------------------------------
+# -- functions of a robot
+# ---------------------------------------------------------------------------------------------
 
 
 def _full_parameter(port: Port, *, output: bool = False) -> str:
@@ -264,7 +275,11 @@ def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
         outputs=tuple(port_text(port, full=True) for port in function.outputs),
         parameters=tuple(_full_parameter(port) for port in function.inputs)
         + tuple(_full_parameter(port, output=True) for port in function.outputs),
-        optional=tuple((port.name, f"{port.name}_default") for port in function.inputs if port.name in ("mode", "assembly")),
+        optional=tuple(
+            (port.name, f"{port.name}_default")
+            for port in function.inputs
+            if port.name in ("mode", "assembly")
+        ),
         finite=tuple((_address(port), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
@@ -274,7 +289,11 @@ def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
             if not variable.per_leg or variable.name in outside
         ),
         leg_locals=tuple(
-            [_local(variable, legs=False) for variable in made.values() if variable.per_leg and variable.name not in outside]
+            [
+                _local(variable, legs=False)
+                for variable in made.values()
+                if variable.per_leg and variable.name not in outside
+            ]
             + [f"double {port.name}_block[{port.size}];" for port in diagonal]
         ),
         angle_count=plan.angle_count,
@@ -290,7 +309,9 @@ def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
         tail_stores=tuple(plan.tail_stores),
         platform_calls=tuple(plan.calls[Stage.PLATFORM]),
         leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
-        platform_guards=tuple(_platform_guard(guard, function) for guard in function.guards if guard not in leg_guards),
+        platform_guards=tuple(
+            _platform_guard(guard, function) for guard in function.guards if guard not in leg_guards
+        ),
         batch_arguments=tuple(_batch_input(port, index) for index, port in enumerate(function.inputs))
         + tuple(f"out[{index}] + k * out_step[{index}]" for index in range(len(function.outputs))),
         in_sizes=tuple(port.full_size for port in function.inputs),
@@ -299,7 +320,9 @@ def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
 
 
 def _read_outside_the_loop(robot: RobotCode, function: RobotFunction) -> set[str]:
-    """Variables that the loop over the legs makes and that something after it reads: each leg needs its own."""
+    """Variables that the loop over the legs makes and that something after it reads: each leg needs its
+    own.
+    """
     read = {guard.variable for guard in function.guards}
     for call in function.stage(Stage.PLATFORM):
         read |= {call.variable_in(port.name) for port in robot.parts[call.part].kernel(call.kernel).inputs}
@@ -307,7 +330,9 @@ def _read_outside_the_loop(robot: RobotCode, function: RobotFunction) -> set[str
 
 
 class _Plan:
-    """The statements of a function: calls of kernels, with all legs' sines, cosines and arctangents put together."""
+    """The statements of a function: calls of kernels, with all legs' sines, cosines and arctangents put
+    together.
+    """
 
     def __init__(
         self, robot: RobotCode, function: RobotFunction, known: dict[str, Variable], outside: set[str]
@@ -334,16 +359,25 @@ class _Plan:
         if phases.angles is None:
             return {}
         kernel = phases.angles
-        late = [port.name for port in kernel.inputs if self.known[call.variable_in(port.name)].kind != "input"]
+        late = [
+            port.name for port in kernel.inputs if self.known[call.variable_in(port.name)].kind != "input"
+        ]
         if late or call.stage is Stage.PLATFORM:
-            raise ValueError(f"{part.name}.{call.kernel}: sines of {late or 'the platform stage'} come too late")
+            raise ValueError(
+                f"{part.name}.{call.kernel}: sines of {late or 'the platform stage'} come too late"
+            )
         count = kernel.output_port("angle").size
         per_leg = call.stage is Stage.LEG
         # two kernels that read the same angles share them
-        key = f"{[call.variable_in(port.name) for port in kernel.inputs]} {print_kernel(kernel).results} {per_leg}"
+        key = (
+            f"{[call.variable_in(port.name) for port in kernel.inputs]} "
+            f"{print_kernel(kernel).results} {per_leg}"
+        )
         if key not in self._offsets:
             first = str(self.angle_count) if self.angle_count else ""
-            self._offsets[key] = " + ".join(term for term in (first, f"{count} * i" if per_leg else "") if term)
+            self._offsets[key] = " + ".join(
+                term for term in (first, f"{count} * i" if per_leg else "") if term
+            )
             self.angle_count += count * (LEGS if per_leg else 1)
             target = self.leg_angle_calls if per_leg else self.shared_angle_calls
             target.append(self._text(call, part, kernel, {"angle": self._offset("angle", key)}))
@@ -363,7 +397,9 @@ class _Plan:
         for tail in phases.tails:
             variable = self.known[call.variable_out(tail.port.name)]
             if variable.kind != "output":
-                raise ValueError(f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output")
+                raise ValueError(
+                    f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output"
+                )
             for index, slot in enumerate(tail.slots):
                 size = len(tail.slots)
                 target = f"{variable.name}[{f'{size} * i + {index}' if size > 1 else 'i'}]"
@@ -374,7 +410,9 @@ class _Plan:
     def _text(self, call: Call, part: Part, kernel: Kernel, special: dict[str, str]) -> str:
         arguments = [f"&g->{call.part}[i]"] if kernel.geometry is not None else []
         for port in kernel.inputs:
-            arguments.append(special.get(port.name) or self._reference(call.variable_in(port.name), call.stage))
+            arguments.append(
+                special.get(port.name) or self._reference(call.variable_in(port.name), call.stage)
+            )
         for port in kernel.outputs:
             text = special.get(port.name)
             arguments.append(text or self._reference(call.variable_out(port.name), call.stage, output=True))
@@ -422,12 +460,15 @@ def _leg_guard(guard: Guard, function: RobotFunction) -> _GuardView:
                 rows, columns = port.shape
                 width = port.full_shape[1]
                 fills += [
-                    (f"{port.name} + {rows * width + columns} * i + {row * width}", columns) for row in range(rows)
+                    (f"{port.name} + {rows * width + columns} * i + {row * width}", columns)
+                    for row in range(rows)
                 ]
             else:
                 fills.append((f"{port.name} + {port.size} * i", port.size))
     operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
-    return _GuardView(f"{guard.variable}[i] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name} + i", tuple(fills))
+    return _GuardView(
+        f"{guard.variable}[i] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name} + i", tuple(fills)
+    )
 
 
 def _platform_guard(guard: Guard, function: RobotFunction) -> _GuardView:

@@ -49,7 +49,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     collected = [
         variable.name
         for variable in known.values()
-        if variable.kind != "input" and variable.per_leg and (variable.kind == "output" or variable.name in read_later)
+        if variable.kind != "input"
+        and variable.per_leg
+        and (variable.kind == "output" or variable.name in read_later)
     ]
     return {
         "name": function.name,

@@ -20,6 +20,7 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.graph import Op
 from krhpr.codegen.kernel import Kernel, Port
 from krhpr.codegen.passes import Part
+from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
 from krhpr.codegen.targets.base import File, kernel_comment, port_text, render
 
@@ -63,10 +64,19 @@ def part_context(part: Part, functions: Mapping[Op, str]) -> dict[str, Any]:
         body = print_kernel(part.geometry.prepare, functions)
         prepare = {
             "inputs_used": sorted({ref.port for ref in body.inputs_used}),
-            "lines": [(line.name, line.expression, line.note) for line in body.lines],
+            "lines": _lines(body),
             "results": list(body.results.items()),
         }
-    return {"part": part, "prepare": prepare, "kernels": [_kernel(kernel, functions) for kernel in part.kernels]}
+    return {
+        "part": part,
+        "prepare": prepare,
+        "kernels": [_kernel(kernel, functions) for kernel in part.kernels],
+    }
+
+
+def _lines(body: Body) -> list[tuple[str, str, str]]:
+    """Assignments with their remarks; these dialects have no pairs."""
+    return [(line.name, line.expression, line.note) for line in body.lines if isinstance(line, Line)]
 
 
 def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
@@ -85,7 +95,7 @@ def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
         "parameters": parameters,
         "returns": "tuple[Any, ...]",
         "unpack": unpack,
-        "lines": [(line.name, line.expression, line.note) for line in body.lines],
+        "lines": _lines(body),
         "results": list(body.results.items()),
     }
 
@@ -102,12 +112,17 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         "inputs": function.inputs,
         "outputs": function.outputs,
         "gufunc": function.signature,
-        "parameters": [f"{port.name}: Any" + (" = None" if port.name in optional else "") for port in function.inputs],
+        "parameters": [
+            f"{port.name}: Any" + (" = None" if port.name in optional else "") for port in function.inputs
+        ],
         "names": [port.name for port in function.inputs],
         "pose": [port.name for port in function.inputs[:2]],
         "optional": [(name, f"({optional[name]},) * 3") for name in present],
         "procedure": not function.calls,
-        "input_docs": [python_port(port) + (", the default unless given" if port.name in optional else "") for port in function.inputs],
+        "input_docs": [
+            python_port(port) + (", the default unless given" if port.name in optional else "")
+            for port in function.inputs
+        ],
         "output_docs": [python_port(port) for port in function.outputs],
         "calls": [_call(robot, call, known) for call in function.calls],
         "guards": [_guard(guard, known) for guard in function.guards],
@@ -147,4 +162,6 @@ def _argument(variable: Variable, stage: Stage) -> str:
 def _guard(guard: Guard, known: Mapping[str, Variable]) -> str:
     at_least = guard.relation is Relation.AT_LEAST
     per_leg = known[guard.variable].per_leg
-    return f"{guard.variable}[{guard.index}], {at_least}, {guard.limit!r}, Status.{guard.status.name}, {per_leg}"
+    return (
+        f"{guard.variable}[{guard.index}], {at_least}, {guard.limit!r}, Status.{guard.status.name}, {per_leg}"
+    )
