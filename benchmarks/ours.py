@@ -7,18 +7,28 @@ to the glue.
 
 from __future__ import annotations
 
+import atexit
+import ctypes
+import shutil
+import tempfile
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+import krhpr
 from benchmarks import robot as sizes
 from benchmarks.contender import OURS, Contender, Missing
-from benchmarks.python_contender import PythonContender
+from benchmarks.python_contender import Floats, Prepared, PythonContender
 from benchmarks.workloads import Workload
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage
 from krhpr.codegen.targets.c import CTarget
 from krhpr.derivations.catalogue import catalogue
+from krhpr.native import compile_library, function_address, load_library, make_gufunc
 
 ROBOT = {"w1": "spatial_rrr_a", "w2": "spatial_rrr_a", "w5": "spatial_r_fivebar_a"}
 CALL = {
@@ -29,35 +39,38 @@ CALL = {
 
 
 def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
-    """Generated scalar C: with the kernels' own sine and cosine, and with the C library's."""
-    parts = Parts()
-    entry = next(entry for entry in catalogue() if entry.identifier == ROBOT[workload.key])
-    robot = build(entry, parts)
-    if workload.key == "w5":
-        robot = replace(robot, default_geometry={**robot.default_geometry, "l_3": (sizes.HYBRID.l3,) * 3})
-    robot = replace(robot, functions=(_function(robot, workload.key),))
+    """Generated scalar C: with its own sine, cosine and arctangent, and with the C library's."""
     folder = folder / f"ours_{workload.key}"
-    folder.mkdir(parents=True, exist_ok=True)
-    target = CTarget()
-    for file in (*target.shared(), *(f for part in parts for f in target.part(part)), *target.robot(robot)):
-        (folder / Path(file.path).name).write_text(file.text)
+    robot = _write(workload, folder)
     name = robot.identifier
+    mode = "static const double mode[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};\n" if workload.key == "w2" else ""
     glue = (
         f'#include "krhpr_{name}.c"\n'
         + baked_geometry(robot, "geometry")
-        + "static const double mode[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};\n"
+        + mode
         + f"{workload.prototype()}\n{{\n    {CALL[workload.key].format(robot=name)};\n}}\n"
-    )
-    glue = (
-        glue
-        if workload.key == "w2"
-        else glue.replace("static const double mode[6]", "extern const double unused_mode[6]; //")
     )
     options = {"scalar": (), "scalar, libm": ("-DKRHPR_LIBM",)}
     return [
         Contender(OURS, workload.key, variant, glue, include_dirs=(str(folder),), extra_flags=flags)
         for variant, flags in options.items()
     ]
+
+
+def _write(workload: Workload, folder: Path) -> RobotCode:
+    """The C of a robot that offers just the workload's function, in a folder."""
+    parts = Parts()
+    entry = next(entry for entry in catalogue() if entry.identifier == ROBOT[workload.key])
+    robot = build(entry, parts)
+    if workload.key == "w5":
+        sizes_of_leg = {**robot.default_geometry, "l_3": (sizes.HYBRID.l3,) * 3}
+        robot = replace(robot, default_geometry=sizes_of_leg)
+    robot = replace(robot, functions=(_function(robot, workload.key),))
+    folder.mkdir(parents=True, exist_ok=True)
+    target = CTarget()
+    for file in (*target.shared(), *(f for part in parts for f in target.part(part)), *target.robot(robot)):
+        (folder / Path(file.path).name).write_text(file.text)
+    return robot
 
 
 def _function(robot: RobotCode, key: str) -> RobotFunction:
@@ -74,5 +87,66 @@ def _function(robot: RobotCode, key: str) -> RobotFunction:
 
 
 def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
-    """The same kernels called from Python."""
-    return Missing(OURS, "not plugged in yet (benchmarks/ours.py)")
+    """The same functions called from Python: generalized ufuncs, the robot's checked methods, pure NumPy."""
+    if workload.key not in ("w1", "w2"):
+        return []
+    robot = krhpr.load(ROBOT[workload.key], backend="compiled")
+    numpy_robot = krhpr.load(ROBOT[workload.key], backend="numpy")
+    gufunc = _gufunc(workload, robot)
+    extra = [np.ones((3, 2))] if workload.key == "w2" else []
+    outputs = [array.shape for array in workload.outputs]
+
+    def bound(inputs: list[Floats], *, reuse: bool) -> Prepared:
+        batch = inputs[0].shape[: inputs[0].ndim - len(workload.inputs[0].shape)]
+        arrays = [x.reshape(*batch, *array.shape) for x, array in zip(inputs, workload.inputs, strict=True)]
+        out = (*(np.empty((*batch, *shape)) for shape in outputs), np.empty(batch, dtype=np.int32))
+        if reuse:
+            return Prepared(lambda: gufunc(*arrays, *extra, out=out), _collect)
+        return Prepared(lambda: gufunc(*arrays, *extra), _collect)
+
+    def method(inputs: list[Floats], *, of: krhpr.Robot) -> Prepared:
+        batch = inputs[0].shape[: inputs[0].ndim - len(workload.inputs[0].shape)]
+        arrays = [x.reshape(*batch, *array.shape) for x, array in zip(inputs, workload.inputs, strict=True)]
+        if workload.key == "w2":
+            return Prepared(lambda: (of.inverse(*arrays),), _collect_all)
+
+        def two_calls() -> Any:
+            p, Q, theta = arrays
+            return of.jacobian_blocks(p, Q, of.subleg_forward(theta), theta)
+
+        return Prepared(two_calls, _collect_all)
+
+    def _collect(results: Any) -> list[Floats]:
+        return _collect_all(results[:-1])
+
+    def _collect_all(results: Any) -> list[Floats]:
+        return [np.reshape(x, (-1, *shape)) for x, shape in zip(results, outputs, strict=True)]
+
+    reused, fresh = partial(bound, reuse=True), partial(bound, reuse=False)
+    checked, pure = partial(method, of=robot), partial(method, of=numpy_robot)
+    return [
+        PythonContender(OURS, "gufunc, out=", single=reused, batch=reused),
+        PythonContender(OURS, "gufunc, fresh outputs", single=fresh, batch=fresh),
+        PythonContender(OURS, "robot's methods, checked", single=checked, batch=checked),
+        PythonContender(OURS, "pure NumPy module", single=pure, batch=pure),
+    ]
+
+
+def _gufunc(workload: Workload, robot: krhpr.Robot) -> np.ufunc:
+    """The workload as a generalized ufunc, with the geometry as a run-time argument."""
+    folder = Path(tempfile.mkdtemp(prefix="krhpr-bench-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    code = _write(workload, folder)
+    function = code.functions[0]
+    prefix = f"krhpr_{code.identifier}"
+    library = load_library(compile_library(prefix, [folder / f"{prefix}.c"], include_dirs=[folder]))
+    size = getattr(library, f"{prefix}_geometry_size")
+    size.restype = ctypes.c_size_t
+    geometry = ctypes.create_string_buffer(size())
+    fields = np.ascontiguousarray(robot.geometry.flat(), dtype=float)
+    getattr(library, f"{prefix}_set_geometry")(geometry, fields.ctypes.data_as(ctypes.c_void_p))
+    address = function_address(library, f"{prefix}_{function.name}_batch")
+    counts = len(function.inputs), len(function.outputs)
+    return make_gufunc(
+        function.name, function.doc, address, bytes(geometry), function.signature, *counts, library
+    )

@@ -7,13 +7,14 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Space
-from krhpr.derivations.vectors import cross2, dot
+from krhpr.derivations.vectors import cross2, determinant3, dot
 
 
 def kernels(space: Space) -> tuple[Kernel, ...]:
     """The kernels of one space."""
     common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space))
-    return (*common, _wrist(space), _rotation()) if space is Space.PLANAR else (*common, _wrist(space))
+    own = _rotation() if space is Space.PLANAR else _rotation_error()
+    return (*common, _wrist(space), own)
 
 
 def _rate(space: Space) -> Kernel:
@@ -59,6 +60,17 @@ def _wrist(space: Space) -> Kernel:
     )
     link, redundant = k.input("link", (2,)), k.input("redundant_link", (2,))
     k.output("wrist", k.atan2(cross2(link, redundant), dot(link, redundant)), Unit.RADIAN)
+    return k.kernel()
+
+
+def _rotation_error() -> Kernel:
+    """How far a matrix is from a rotation: elements of Q^T Q - I, and 1 - det Q for reflections."""
+    k = KernelWriter("rotation_error", "Largest element of |Q^T Q - I|; at least 1 - det Q.")
+    Q = k.input("Q", (3, 3), Unit.NONE, Frame.BASE, "orientation, base from platform")
+    columns = [Q.col(j) for j in range(3)]
+    products = [dot(columns[i], columns[j]) - (1 if i == j else 0) for i in range(3) for j in range(i, 3)]
+    worst = k.maximum(*(k.absolute(product) for product in products))
+    k.output("error", k.maximum(worst, 1 - determinant3(Q)))
     return k.kernel()
 
 

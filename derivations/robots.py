@@ -71,6 +71,8 @@ class _Functions:
         self.pose = (self.plate.p, phi if self.planar else self.plate.Q)
 
     def all(self) -> Iterable[RobotFunction]:
+        if not self.planar:
+            yield self._rotation_error()
         yield self._end_points()
         yield self._redundant_coordinates()
         yield self._subleg_forward()
@@ -133,6 +135,17 @@ class _Functions:
 
     # -- position
     # -----------------------------------------------------------------------------------------------
+
+    def _rotation_error(self) -> RobotFunction:
+        error = Port("error", (), Unit.NONE, Frame.NONE, "0 for a rotation matrix")
+        return self._function(
+            "rotation_error",
+            "How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q.",
+            "",
+            (self.plate.Q,),
+            (error,),
+            (Call(Stage.SHARED, "algebra", "rotation_error", {}, {}),),
+        )
 
     def _end_points(self) -> RobotFunction:
         return self._function(

@@ -6,6 +6,12 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 
 
+def nearest(name: str, known: Sequence[str]) -> str:
+    """For a name that is not among those known: which are nearest, or else which there are."""
+    near = get_close_matches(name, known, n=3, cutoff=0.5)
+    return f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
+
+
 class KrhprError(Exception):
     """Base of the errors that this package raises on purpose; the first argument is the message."""
 
@@ -19,9 +25,7 @@ class UnknownRobot(KrhprError, KeyError):
     @classmethod
     def among(cls, identifier: str, known: Sequence[str]) -> UnknownRobot:
         """The error for a name that is not among those known; it says which are nearest."""
-        near = get_close_matches(identifier, known, n=3, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
-        return cls(f"no robot is called {identifier!r}; {hint}")
+        return cls(f"no robot is called {identifier!r}; {nearest(identifier, known)}")
 
 
 class UnknownBranch(KrhprError, ValueError):

@@ -371,18 +371,16 @@ class Robot:
         for port, array in zip(signature.inputs, arrays, strict=True):
             if port.name != "Q" or array.size == 0:
                 continue
-            error = np.abs(np.swapaxes(array, -1, -2) @ array - np.eye(3)).max(axis=(-1, -2))
+            error = np.asarray(self._backend.call("rotation_error", (array,), None)[0])
             # NaN passes here and gets the status INVALID_INPUT
-            bad = (error > ROTATION_TOLERANCE) | (np.linalg.det(array) < 0)
-            if np.any(bad):
-                index = tuple(int(i) for i in np.unravel_index(np.argmax(bad), np.shape(bad)))
+            bad = error > ROTATION_TOLERANCE
+            if bad.any():
+                index = np.unravel_index(np.argmax(bad), bad.shape)
+                Q = array[index]
                 raise InvalidInput(
-                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q -"
-                    " I| is "
-                    f"{float(error[index]):.3g} (tolerance {ROTATION_TOLERANCE:g}), det Q = "
-                    f"{float(np.linalg.det(array)[index]):.3g}; make it orthonormal, or pass "
-                    "check_rotation=False",
-                    index,
+                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q - I| is "
+                    f"{np.abs(Q.T @ Q - np.eye(3)).max():.3g} (tolerance {ROTATION_TOLERANCE:g}), det Q is "
+                    f"{np.linalg.det(Q):.3g}; make it orthonormal, or pass check_rotation=False"
                 )
 
     def _raise_first(self, signature: Signature, arrays: Sequence[Any], status: Any) -> None:

@@ -8,6 +8,16 @@
 #include <math.h>
 #include <stddef.h>
 
+/* NaN and infinity are answers here, and the order of operations matters: compilers must keep to IEEE arithmetic. */
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "krhpr: compile without -ffast-math and -ffinite-math-only (-O3 -ffp-contract=fast -fno-math-errno are safe)"
+#endif
+
+/* Where intermediate values are wider than a double (x87), krhpr_elementary.h leaves angles to the C library. */
+#if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && !defined(KRHPR_LIBM)
+#define KRHPR_LIBM
+#endif
+
 /* Outputs do not overlap inputs, nor one another. */
 #ifdef __cplusplus
 #define KRHPR_RESTRICT
@@ -72,19 +82,6 @@ KRHPR_OUTLINE void krhpr_fill_nan(double *x, int n)
     for (int k = 0; k < n; ++k) {
         x[k] = (double)NAN; /* NAN is a float */
     }
-}
-
-/* Largest element of |Q^T Q - I|, to check a rotation matrix (row-major) before it is used. */
-static inline double krhpr_rotation_error(const double Q[9])
-{
-    double worst = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = i; j < 3; ++j) {
-            const double product = Q[i] * Q[j] + Q[3 + i] * Q[3 + j] + Q[6 + i] * Q[6 + j];
-            worst = krhpr_max(worst, fabs(product - (i == j ? 1.0 : 0.0)));
-        }
-    }
-    return worst;
 }
 
 #endif

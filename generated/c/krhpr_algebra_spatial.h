@@ -65,4 +65,14 @@ static inline void krhpr_algebra_spatial_wrist(const double link[9], const doubl
     spherical[8] = spherical_22;
 }
 
+/* Largest element of |Q^T Q - I|; at least 1 - det Q.  (21 add, 27 multiply, 12 select) */
+static inline void krhpr_algebra_spatial_rotation_error(const double Q[9], double *KRHPR_RESTRICT error)
+{
+    const double t1 = krhpr_max(fabs(Q[0] * Q[0] + Q[3] * Q[3] + Q[6] * Q[6] - 1.0), fabs(Q[0] * Q[1] + Q[3] * Q[4] + Q[6] * Q[7]));
+    const double t2 = krhpr_max(krhpr_max(t1, fabs(Q[0] * Q[2] + Q[3] * Q[5] + Q[6] * Q[8])), fabs(Q[1] * Q[1] + Q[4] * Q[4] + Q[7] * Q[7] - 1.0));
+    const double t3 = krhpr_max(krhpr_max(t2, fabs(Q[1] * Q[2] + Q[4] * Q[5] + Q[7] * Q[8])), fabs(Q[2] * Q[2] + Q[5] * Q[5] + Q[8] * Q[8] - 1.0));
+    const double t4 = 1.0 - Q[0] * (Q[4] * Q[8] - Q[5] * Q[7]) - Q[1] * (Q[5] * Q[6] - Q[3] * Q[8]) - Q[2] * (Q[3] * Q[7] - Q[4] * Q[6]);
+    *error = krhpr_max(t3, t4);
+}
+
 #endif

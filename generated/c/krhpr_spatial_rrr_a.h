@@ -44,6 +44,15 @@ int krhpr_spatial_rrr_a_set_geometry(krhpr_spatial_rrr_a_geometry *g, const doub
 
 size_t krhpr_spatial_rrr_a_geometry_size(void);
 
+/* How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q.
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   out    error (scalar): 0 for a rotation matrix
+ */
+int krhpr_spatial_rrr_a_rotation_error(const krhpr_spatial_rrr_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error);
+/* Batch: in = Q (9); out = error (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+int krhpr_spatial_rrr_a_rotation_error_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+
 /* End points of the sub-legs from the pose and the redundant coordinates.  Thesis: (1.37), 2.5.
  *   in     p (3, m, base frame): position of O'
  *   in     Q (3 x 3, base frame): orientation, base from platform

@@ -59,6 +59,31 @@ size_t krhpr_spatial_rrr_c_geometry_size(void)
     return sizeof(krhpr_spatial_rrr_c_geometry);
 }
 
+int krhpr_spatial_rrr_c_rotation_error(const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
+{
+    int status = KRHPR_OK;
+    (void)g;
+    if (!(krhpr_taint(Q, 9) == 0.0)) {
+        krhpr_fill_nan(error, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_algebra_spatial_rotation_error(Q, error);
+    return status;
+}
+
+int krhpr_spatial_rrr_c_rotation_error_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrr_c_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 int krhpr_spatial_rrr_c_end_points(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;

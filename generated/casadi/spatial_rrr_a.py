@@ -27,6 +27,22 @@ DEFAULT_GEOMETRY = (
 )
 
 
+def rotation_error(geometry: Any) -> Any:
+    """How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q."""
+    call = rt.Call(
+        "rotation_error",
+        (
+            rt.Port("Q", (3, 3), "shared"),
+        ),
+        (
+            rt.Port("error", (), "shared"),
+        ),
+        geometry,
+    )
+    error = algebra.rotation_error(call.whole("Q"))
+    return call.function({"error": error})
+
+
 def end_points(geometry: Any) -> Any:
     """End points of the sub-legs from the pose and the redundant coordinates."""
     call = rt.Call(
@@ -484,6 +500,7 @@ def singularity(geometry: Any) -> Any:
 
 
 FUNCTIONS = {
+    "rotation_error": rotation_error,
     "end_points": end_points,
     "redundant_coordinates": redundant_coordinates,
     "subleg_forward": subleg_forward,

@@ -82,3 +82,15 @@ def wrist(link: Any, redundant_link: Any) -> tuple[Any, ...]:
         spherical_21,
         spherical_22,
     )
+
+
+def rotation_error(Q: Any) -> tuple[Any, ...]:
+    """Largest element of |Q^T Q - I|; at least 1 - det Q.  (21 add, 27 multiply, 12 select)"""
+    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    t1 = np.fmax(np.abs(Q_00 * Q_00 + Q_10 * Q_10 + Q_20 * Q_20 - 1), np.abs(Q_00 * Q_01 + Q_10 * Q_11 + Q_20 * Q_21))
+    t2 = np.fmax(np.fmax(t1, np.abs(Q_00 * Q_02 + Q_10 * Q_12 + Q_20 * Q_22)), np.abs(Q_01 * Q_01 + Q_11 * Q_11 + Q_21 * Q_21 - 1))
+    t3 = np.fmax(np.fmax(t2, np.abs(Q_01 * Q_02 + Q_11 * Q_12 + Q_21 * Q_22)), np.abs(Q_02 * Q_02 + Q_12 * Q_12 + Q_22 * Q_22 - 1))
+    t4 = 1 - Q_00 * (Q_11 * Q_22 - Q_12 * Q_21) - Q_01 * (Q_12 * Q_20 - Q_10 * Q_22) - Q_02 * (Q_10 * Q_21 - Q_11 * Q_20)
+    return (
+        np.fmax(t3, t4),
+    )

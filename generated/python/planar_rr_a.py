@@ -17,6 +17,8 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from . import algebra_planar as algebra
 from . import platform_planar_a as platform
 from . import runtime as rt
@@ -407,9 +409,10 @@ class Singularity(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def prepare(geometry: Geometry) -> SimpleNamespace:
-    """What depends on the geometry alone, computed once."""
-    return SimpleNamespace(subleg=subleg.prepare(geometry.fields), platform=platform.prepare(geometry.fields))
+def prepare(geometry: Geometry, dimensions: int = 0) -> SimpleNamespace:
+    """What depends on the geometry alone, computed once; arrays (3, 1, ...) for so many batch dimensions."""
+    fields = {name: value.reshape((3,) + (1,) * dimensions) for name, value in geometry.fields.items()}
+    return SimpleNamespace(subleg=subleg.prepare(fields), platform=platform.prepare(fields))
 
 
 def end_points(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
@@ -428,11 +431,11 @@ def end_points(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT
     Returns:
         s (..., 3, 2) [m] in the base frame: end points of the sub-legs
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["end_points"], (p, phi, redundant,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s = platform.end_point(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("redundant"))
+        s = platform.end_point(g.platform, arguments.leg("p"), Q, arguments.leg("redundant"))
         results = arguments.finish(
             {
                 "s": s,
@@ -458,11 +461,11 @@ def redundant_coordinates(p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFA
         redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
             clockwise from +z'
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["redundant_coordinates"], (p, phi, s,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        redundant = platform.redundant(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        redundant = platform.redundant(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         results = arguments.finish(
             {
                 "redundant": redundant,
@@ -485,8 +488,8 @@ def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status:
     Returns:
         s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_forward"], (theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = subleg.forward(g.subleg, arguments.leg("theta"))
         results = arguments.finish(
@@ -512,8 +515,8 @@ def subleg_inverse(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
     Returns:
         theta (..., 3, 2, 2) [rad or m]: actuated joints in every working mode [elbow+, elbow-]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_inverse"], (s,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         theta, radicand = subleg.inverse_all(g.subleg, arguments.leg("s"))
         results = arguments.finish(
@@ -542,8 +545,8 @@ def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     Returns:
         M (..., 3, 2, 2) [mixed] in the base frame: Jacobian of the sub-leg
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_jacobian"], (s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         M = subleg.jacobian(g.subleg, d, u_2)
@@ -572,11 +575,11 @@ def constraints(p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMET
     Returns:
         residual (..., 3) [mixed]: residuals of the constraint equations
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["constraints"], (p, phi, s,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        residual = platform.residual(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        residual = platform.residual(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         results = arguments.finish(
             {
                 "residual": residual,
@@ -605,11 +608,11 @@ def jacobians(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
         K (..., 3, 6) [mixed] in the base frame: Jacobian of the actuators, legs on the block
             diagonal
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["jacobians"], (p, phi, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        J, N = platform.rows(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        J, N = platform.rows(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         K = subleg.project(g.subleg, d, u_2, N)
         results = arguments.finish(
@@ -640,11 +643,11 @@ def jacobian_blocks(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry 
             (1.31)
         K (..., 3, 1, 2) [mixed] in the base frame: the legs' blocks of K
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["jacobian_blocks"], (p, phi, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        J, N = platform.rows(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        J, N = platform.rows(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         K = subleg.project(g.subleg, d, u_2, N)
         results = arguments.finish(
@@ -676,11 +679,11 @@ def inverse(p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geo
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["inverse"], (p, phi, redundant, mode,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s = platform.end_point(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("redundant"))
+        s = platform.end_point(g.platform, arguments.leg("p"), Q, arguments.leg("redundant"))
         theta, radicand = subleg.inverse(g.subleg, s, arguments.leg("mode"))
         results = arguments.finish(
             {
@@ -710,11 +713,11 @@ def inverse_all(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAUL
     Returns:
         theta (..., 3, 2, 2) [rad or m]: actuated joints in every working mode [elbow+, elbow-]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["inverse_all"], (p, phi, redundant,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s = platform.end_point(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("redundant"))
+        s = platform.end_point(g.platform, arguments.leg("p"), Q, arguments.leg("redundant"))
         theta, radicand = subleg.inverse_all(g.subleg, s)
         results = arguments.finish(
             {
@@ -750,7 +753,7 @@ def inverse_near(p: Any, phi: Any, redundant: Any, theta_near: Any, *, geometry:
     arguments = rt.Arguments(SIGNATURES["inverse_near"], (p, phi, redundant, theta_near,))
     with rt.quiet():
         theta = rt.nearest(found, arguments.arrays["theta_near"], ANGULAR)
-    parts = tuple(theta[..., index] for index in range(len(ANGULAR)))
+    parts = tuple(np.moveaxis(theta[..., index], -1, 0) for index in range(len(ANGULAR)))
     results = list(arguments.finish({"theta": parts}))
     results[-1] = (results[-1] + (results[-1] == 0) * code).astype(code.dtype)
     answer = results[0]
@@ -776,11 +779,11 @@ def inverse_status(p: Any, phi: Any, redundant: Any, mode: Any = None, *, geomet
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["inverse_status"], (p, phi, redundant, mode,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s = platform.end_point(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("redundant"))
+        s = platform.end_point(g.platform, arguments.leg("p"), Q, arguments.leg("redundant"))
         excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
         results = arguments.finish(
             {
@@ -811,11 +814,11 @@ def twist(p: Any, phi: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geo
     Returns:
         twist (..., 3) [m/s, rad/s] in the base frame: twist [p_dot, phi_dot]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["twist"], (p, phi, s, theta, theta_dot,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         s_dot = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
@@ -850,11 +853,11 @@ def joint_rates(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate
     Returns:
         theta_dot (..., 3, 2) [rad/s or m/s]: rates of the actuated joints [theta_1, theta_2]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["joint_rates"], (p, phi, s, theta, twist, redundant_rate,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s_dot = platform.end_velocity(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
+        s_dot = platform.end_velocity(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_dot, regularity = subleg.rates(g.subleg, d, u_2, s_dot)
         results = arguments.finish(
@@ -890,16 +893,16 @@ def platform_acceleration(p: Any, phi: Any, s: Any, theta: Any, twist: Any, thet
     Returns:
         twist_rate (..., 3) [m/s^2, rad/s^2] in the base frame: rate of the twist
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["platform_acceleration"], (p, phi, s, theta, twist, theta_dot, theta_ddot,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_ddot"))
         s_ddot = algebra.sum(along, bias)
-        row_bias = platform.row_bias(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"), arguments.leg("twist"), s_dot)
+        row_bias = platform.row_bias(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), s_dot)
         rate = algebra.rate_with_bias(N, s_ddot, row_bias)
         twist_rate, det_regularity = platform.solve(Q, rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
@@ -937,11 +940,11 @@ def joint_accelerations(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redund
         theta_ddot (..., 3, 2) [rad/s^2 or m/s^2]: accelerations of the actuated joints
             [theta_1, theta_2]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, phi, s, theta, twist, redundant_rate, theta_dot, twist_rate, redundant_acceleration,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
+        s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
         s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
@@ -975,13 +978,13 @@ def passive_joints(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry =
         platform_joint (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
             link, clockwise from +z'
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["passive_joints"], (p, phi, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         link = subleg.passive(g.subleg, u_2)
-        redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         wrist = algebra.wrist(link, redundant_link)
         results = arguments.finish(
             {
@@ -1015,13 +1018,13 @@ def singularity(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DE
         margins (..., 1) [mixed]: -det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for
             beta in (30, 150) deg [det J_a]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, phi, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         type_1, factors = subleg.determinant(g.subleg, d, u_2)
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), rt.shared(Q), arguments.leg("s"))
+        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(
             {

@@ -18,13 +18,15 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from . import algebra_spatial as algebra
 from . import platform_spatial_a as platform
 from . import runtime as rt
 from . import subleg_r_fivebar as subleg
 from .runtime import Geometry, Status
 
-__all__ = ["DEFAULT_GEOMETRY", "Geometry", "Status", "end_points", "redundant_coordinates", "subleg_forward", "subleg_inverse", "subleg_jacobian", "constraints", "jacobians", "jacobian_blocks", "inverse", "inverse_all", "inverse_near", "inverse_status", "twist", "joint_rates", "platform_acceleration", "joint_accelerations", "passive_joints", "singularity"]
+__all__ = ["DEFAULT_GEOMETRY", "Geometry", "Status", "rotation_error", "end_points", "redundant_coordinates", "subleg_forward", "subleg_inverse", "subleg_jacobian", "constraints", "jacobians", "jacobian_blocks", "inverse", "inverse_all", "inverse_near", "inverse_status", "twist", "joint_rates", "platform_acceleration", "joint_accelerations", "passive_joints", "singularity"]
 
 IDENTIFIER = "spatial_r_fivebar_a"
 NOTATION = "3-[R(RR-RRR)SR]"
@@ -132,6 +134,18 @@ DEFAULT_GEOMETRY = Geometry(
 )
 
 SIGNATURES = {
+    "rotation_error": rt.Signature(
+        "rotation_error",
+        "How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q.",
+        "",
+        (
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+        ),
+        (
+            rt.Port("error", (), "1", "-", "0 for a rotation matrix", "shared", ()),
+        ),
+        "(3,3)->(),()",
+    ),
     "end_points": rt.Signature(
         "end_points",
         "End points of the sub-legs from the pose and the redundant coordinates.",
@@ -444,9 +458,33 @@ class Singularity(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def prepare(geometry: Geometry) -> SimpleNamespace:
-    """What depends on the geometry alone, computed once."""
-    return SimpleNamespace(subleg=subleg.prepare(geometry.fields), platform=platform.prepare(geometry.fields))
+def prepare(geometry: Geometry, dimensions: int = 0) -> SimpleNamespace:
+    """What depends on the geometry alone, computed once; arrays (3, 1, ...) for so many batch dimensions."""
+    fields = {name: value.reshape((3,) + (1,) * dimensions) for name, value in geometry.fields.items()}
+    return SimpleNamespace(subleg=subleg.prepare(fields), platform=platform.prepare(fields))
+
+
+def rotation_error(Q: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q.
+
+    Args:
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        error (...): 0 for a rotation matrix
+    """
+    arguments = rt.Arguments(SIGNATURES["rotation_error"], (Q,))
+    with rt.quiet():
+        error = algebra.rotation_error(arguments.whole("Q"))
+        results = arguments.finish(
+            {
+                "error": error,
+            },
+        )
+    answer = results[0]
+    return (answer, results[-1]) if status else answer
 
 
 def end_points(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
@@ -465,8 +503,8 @@ def end_points(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_G
     Returns:
         s (..., 3, 3) [m] in the base frame: end points of the sub-legs
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["end_points"], (p, Q, redundant,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
         results = arguments.finish(
@@ -494,8 +532,8 @@ def redundant_coordinates(p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAUL
         redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
             clockwise from +z'
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["redundant_coordinates"], (p, Q, s,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         redundant = platform.redundant(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         results = arguments.finish(
@@ -524,8 +562,8 @@ def subleg_forward(theta: Any, assembly: Any = None, *, geometry: Geometry = DEF
     """
     if assembly is None:
         assembly = (ASSEMBLIES[DEFAULT_ASSEMBLY],) * 3
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_forward"], (theta, assembly,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s, radicand = subleg.forward(g.subleg, arguments.leg("theta"), arguments.leg("assembly"))
         results = arguments.finish(
@@ -556,8 +594,8 @@ def subleg_inverse(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
             [front/elbow+/rod+, front/elbow+/rod-, front/elbow-/rod+, front/elbow-/rod-,
             back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+, back/elbow-/rod-]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_inverse"], (s,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         theta, radicand = subleg.inverse_all(g.subleg, arguments.leg("s"))
         results = arguments.finish(
@@ -586,8 +624,8 @@ def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     Returns:
         M (..., 3, 3, 3) [mixed] in the base frame: Jacobian of the sub-leg
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["subleg_jacobian"], (s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         M, regularity = subleg.jacobian(g.subleg, x, e_2, d, u_1, u_2)
@@ -619,8 +657,8 @@ def constraints(p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     Returns:
         residual (..., 6) [mixed]: residuals of the constraint equations
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["constraints"], (p, Q, s,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         residual = platform.residual(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         results = arguments.finish(
@@ -651,8 +689,8 @@ def jacobians(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAUL
         K (..., 6, 9) [mixed] in the base frame: Jacobian of the actuators, legs on the block
             diagonal
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["jacobians"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         J, N = platform.rows(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
@@ -688,8 +726,8 @@ def jacobian_blocks(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = 
             (1.31)
         K (..., 3, 2, 3) [mixed] in the base frame: the legs' blocks of K
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["jacobian_blocks"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         J, N = platform.rows(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
@@ -727,8 +765,8 @@ def inverse(p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geome
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["inverse"], (p, Q, redundant, mode,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
         theta, radicand = subleg.inverse(g.subleg, s, arguments.leg("mode"))
@@ -762,8 +800,8 @@ def inverse_all(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_
             [front/elbow+/rod+, front/elbow+/rod-, front/elbow-/rod+, front/elbow-/rod-,
             back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+, back/elbow-/rod-]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["inverse_all"], (p, Q, redundant,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
         theta, radicand = subleg.inverse_all(g.subleg, s)
@@ -802,7 +840,7 @@ def inverse_near(p: Any, Q: Any, redundant: Any, theta_near: Any, *, geometry: G
     arguments = rt.Arguments(SIGNATURES["inverse_near"], (p, Q, redundant, theta_near,))
     with rt.quiet():
         theta = rt.nearest(found, arguments.arrays["theta_near"], ANGULAR)
-    parts = tuple(theta[..., index] for index in range(len(ANGULAR)))
+    parts = tuple(np.moveaxis(theta[..., index], -1, 0) for index in range(len(ANGULAR)))
     results = list(arguments.finish({"theta": parts}))
     results[-1] = (results[-1] + (results[-1] == 0) * code).astype(code.dtype)
     answer = results[0]
@@ -829,8 +867,8 @@ def inverse_status(p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["inverse_status"], (p, Q, redundant, mode,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
         excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
@@ -864,8 +902,8 @@ def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geome
     Returns:
         twist (..., 6) [m/s, rad/s] in the base frame: twist [p_dot, omega]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["twist"], (p, Q, s, theta, theta_dot,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
@@ -905,8 +943,8 @@ def joint_rates(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: 
         theta_dot (..., 3, 3) [rad/s or m/s]: rates of the actuated joints [theta_1, theta_2,
             theta_3]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["joint_rates"], (p, Q, s, theta, twist, redundant_rate,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s_dot = platform.end_velocity(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
@@ -945,8 +983,8 @@ def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_
     Returns:
         twist_rate (..., 6) [m/s^2, rad/s^2] in the base frame: rate of the twist
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["platform_acceleration"], (p, Q, s, theta, twist, theta_dot, theta_ddot,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
@@ -994,8 +1032,8 @@ def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundan
         theta_ddot (..., 3, 3) [rad/s^2 or m/s^2]: accelerations of the actuated joints
             [theta_1, theta_2, theta_3]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, Q, s, theta, twist, redundant_rate, theta_dot, twist_rate, redundant_acceleration,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
         s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
@@ -1032,8 +1070,8 @@ def passive_joints(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = D
         platform_joint (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
             link, clockwise from +z'
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["passive_joints"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         passive, link = subleg.passive(g.subleg, x, e_2, d, u_1, u_2)
@@ -1075,8 +1113,8 @@ def singularity(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
         margins (..., 2) [mixed]: -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of
             R_p: positive for beta in (30, 150) deg [det J_a, det J_n]
     """
-    g = prepare(geometry)
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         type_1, factors = subleg.determinant(g.subleg, d, u_1, u_2)

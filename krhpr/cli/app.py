@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import textwrap
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
@@ -26,8 +27,8 @@ COMMANDS: tuple[Command, ...] = (
 )
 
 DESCRIPTION = """\
-Kinematics and statics of kinematically redundant parallel robots: look robots up, compute with them, and generate
-their code (C, NumPy, CasADi) from the derivation."""
+Kinematics and statics of kinematically redundant parallel robots: look robots up,
+compute with them, and generate their code (C, NumPy, CasADi) from the derivation."""
 
 EPILOG = """\
 examples:
@@ -53,7 +54,11 @@ environment:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if options.command is None:
+        parser.print_help(sys.stderr)
+        return Exit.WRONG_USE
     with _short_warnings():
         try:
             code = int(options.command.run(options))
@@ -113,14 +118,14 @@ def _parser() -> argparse.ArgumentParser:
         parents=[debug],
         allow_abbrev=False,
     )
-    parser.set_defaults(debug=False)
+    parser.set_defaults(debug=False, command=None)
     parser.add_argument("--version", action="version", version=f"krhpr {__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in COMMANDS:
         below = commands.add_parser(
             command.name,
             help=first_words(command.description),
-            description=command.description,
+            description=textwrap.fill(command.description, 80),
             epilog=command.epilog,
             formatter_class=argparse.RawDescriptionHelpFormatter,
             parents=[debug],

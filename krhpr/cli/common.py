@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 from time import perf_counter
-from typing import Any, TextIO
+from typing import Any
 
 from krhpr.errors import KrhprError
 
@@ -45,7 +45,7 @@ def first_words(description: str) -> str:
     return sentence[:1].lower() + sentence[1:]
 
 
-# -- tables -----------------------------------------------------------------------------------------------------------
+# -- tables --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -56,15 +56,12 @@ class Column:
     numeric: bool = False
 
 
-def print_table(
-    columns: Sequence[Column], rows: Sequence[Sequence[object]], file: TextIO | None = None
-) -> None:
+def print_table(columns: Sequence[Column], rows: Sequence[Sequence[object]]) -> None:
     """A table: with rich in a terminal, as aligned text elsewhere."""
-    file = file or sys.stdout
     texts = [[_cell(value) for value in row] for row in rows]
-    rich = _rich() if file.isatty() else None
+    rich = _rich() if sys.stdout.isatty() else None
     if rich is None:
-        print(_plain_table(columns, texts), file=file)
+        print(_plain_table(columns, texts))
         return
     from rich.table import Table
     from rich.text import Text
@@ -74,7 +71,7 @@ def print_table(
         table.add_column(column.title, justify="right" if column.numeric else "left", overflow="fold")
     for row in texts:
         table.add_row(*map(Text, row))
-    rich.console.Console(file=file).print(table)
+    rich.console.Console().print(table)
 
 
 def _cell(value: object) -> str:
@@ -97,7 +94,7 @@ def _plain_table(columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> st
     return "\n".join([*head, *(line(row) for row in rows)])
 
 
-# -- progress ---------------------------------------------------------------------------------------------------------
+# -- progress ------------------------------------------------------------------------------------------------
 
 Step = Callable[[str], None]
 """Called at the beginning of each step with what it does."""
@@ -105,7 +102,7 @@ Step = Callable[[str], None]
 
 @contextmanager
 def progress(total: int) -> Iterator[Step]:
-    """Shows how far a long command is, on standard error: a bar in a terminal, a line for each step elsewhere."""
+    """How far a long command is, on standard error: a bar in a terminal, a line for each step elsewhere."""
     rich = _rich() if sys.stderr.isatty() else None
     if rich is None:
         begin = perf_counter()

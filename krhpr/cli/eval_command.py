@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format",
         choices=("json", "csv"),
-        help="format of the input (default: by the file's ending, else by its first character), and of the output",
+        help="format of the input and the output (default: by the file's ending, else its first character)",
     )
     parser.add_argument(
         "--to", choices=("json", "csv"), help="format of the output (default: that of the input)"
@@ -64,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "eval",
-    "Evaluate a function of a robot on numbers from a file or standard input.",
+    "Evaluate a function of a robot.  Numbers come from a file or from standard input, results go to standard "
+    "output.",
     EPILOG,
     add_arguments,
     run,

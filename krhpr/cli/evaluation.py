@@ -8,7 +8,6 @@ import json
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from krhpr.cli.columns import all_columns
 from krhpr.cli.common import Exit, WrongUse
 from krhpr.cli.info import find_signature
 from krhpr.cli.reading import Given, LabelRows, read_arguments, read_source, split_labels
-from krhpr.errors import InvalidInput
+from krhpr.errors import InvalidInput, nearest
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Signature
@@ -49,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     return Exit.OK
 
 
-# -- what is asked for ------------------------------------------------------------------------------------------------
+# -- what is asked for ---------------------------------------------------------------------------------------
 
 
 def _is_optional(function: str, argument: str) -> bool:
@@ -57,28 +56,22 @@ def _is_optional(function: str, argument: str) -> bool:
 
 
 def _with_geometry(robot: Robot, settings: Sequence[str]) -> Robot:
+    fields = robot.geometry.order
     changes: dict[str, list[float] | float] = {}
     for setting in settings:
         name, equals, text = setting.partition("=")
         name = name.strip()
         if not equals:
-            raise WrongUse(
-                f"--geometry {setting}: expected FIELD=VALUE, such as {robot.geometry.order[-1]}=0.1"
-            )
-        if name not in robot.geometry.order:
-            near = get_close_matches(name, robot.geometry.order, n=3, cutoff=0.6)
-            hint = (
-                f"did you mean {' or '.join(near)}?"
-                if near
-                else f"there are {', '.join(robot.geometry.order)}"
-            )
+            raise WrongUse(f"--geometry {setting}: expected FIELD=VALUE, such as {fields[-1]}=0.1")
+        if name not in fields:
+            hint = nearest(name, fields)
             raise WrongUse(f"--geometry {setting}: {robot.identifier} has no field {name!r}; {hint}")
         if name in changes:
             raise WrongUse(f"--geometry {setting}: {name!r} is given twice")
         values = [_value(setting, part) for part in text.split(",")]
         if len(values) not in (1, 3):
             raise WrongUse(
-                f"--geometry {setting}: found {len(values)} values, expected one, or three for the three legs"
+                f"--geometry {setting}: found {len(values)} values, expected one, or one for each leg"
             )
         changes[name] = values[0] if len(values) == 1 else values
     try:
@@ -108,7 +101,7 @@ def _branches(signature: Signature, options: argparse.Namespace) -> dict[str, st
     return found
 
 
-# -- calling ----------------------------------------------------------------------------------------------------------
+# -- calling -------------------------------------------------------------------------------------------------
 
 Answer = tuple[tuple[np.ndarray[Any, Any], ...], np.ndarray[Any, Any]]
 """Results in order, and the status."""
@@ -146,7 +139,7 @@ def _branch(robot: Robot, name: str, branch: Any, given: Given) -> Any:
     return np.stack(found) if found else np.empty((0, *signs(None).shape))
 
 
-# -- printing ---------------------------------------------------------------------------------------------------------
+# -- printing ------------------------------------------------------------------------------------------------
 
 
 def _warn_of_nothing(answers: Sequence[Answer]) -> None:

@@ -7,12 +7,12 @@ import json
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import krhpr
 from krhpr.cli.common import Command, Exit, WrongUse
+from krhpr.errors import nearest
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Port, Signature
@@ -42,13 +42,12 @@ def run(options: argparse.Namespace) -> int:
 def find_signature(robot: Robot, function: str) -> Signature:
     """A function's signature; a wrong name gives the nearest ones."""
     if function not in robot.functions:
-        near = get_close_matches(function, robot.functions, n=3, cutoff=0.5)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"it has {', '.join(robot.functions)}"
+        hint = nearest(function, robot.functions)
         raise WrongUse(f"{robot.identifier} has no function {function!r}; {hint}")
     return robot.signature(function)
 
 
-# -- as data ----------------------------------------------------------------------------------------------------------
+# -- as data -------------------------------------------------------------------------------------------------
 
 
 def robot_facts(robot: Robot) -> dict[str, Any]:
@@ -85,9 +84,11 @@ def robot_facts(robot: Robot) -> dict[str, Any]:
 
 def passive_joints(robot: Robot) -> dict[str, str]:
     """Every passive joint with its meaning, from the base to the platform."""
-    if "passive_joints" not in robot.functions:
-        return dict(robot.documentation["passive"])
-    return {port.name: port.doc for port in robot.signature("passive_joints").outputs}
+    within = dict(robot.documentation["passive"])
+    found: dict[str, str] = {}
+    for port in robot.signature("passive_joints").outputs:
+        found |= within if port.name == "passive" else {port.name: port.doc}
+    return found
 
 
 def function_facts(signature: Signature) -> dict[str, Any]:
@@ -113,7 +114,7 @@ def _port_facts(port: Port) -> dict[str, Any]:
     }
 
 
-# -- as text ----------------------------------------------------------------------------------------------------------
+# -- as text -------------------------------------------------------------------------------------------------
 
 
 def _robot_text(robot: Robot) -> str:
@@ -135,10 +136,7 @@ def _robot_text(robot: Robot) -> str:
         lines += _wrapped("  ".join(robot.assemblies), "  ")
     lines += _section("Factors of det M_i, zero in a type I singularity", facts["singular_factors"].items())
     lines += _section("Factors of det J, zero in a type II singularity", facts["type_2"].items())
-    rows = [
-        (f"{function['function']}", f"{_call_text(robot.signature(function['function']))}")
-        for function in facts["functions"]
-    ]
+    rows = [(name, _call_text(robot.signature(name))) for name in robot.functions]
     lines += _section(f"Functions (krhpr info {robot.identifier} --function NAME)", rows)
     return "\n".join(lines)
 
@@ -218,7 +216,7 @@ def _section(title: str, rows: Iterable[tuple[str, str]]) -> list[str]:
     rows = list(rows)
     if not rows:
         return []
-    width = min(max(len(name) for name, _ in rows), 34)
+    width = min(max(len(name) for name, _ in rows), 46)
     lines = ["", title]
     for name, text in rows:
         lines += _wrapped(text, " " * (width + 4), f"  {name.ljust(width)}  ")
@@ -240,7 +238,7 @@ def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
 
 COMMAND = Command(
     "info",
-    "Show what a robot is: its joints and their zeros, geometry, modes, singularities and functions.",
+    "Show what a robot is.  Joints and their zeros, geometry, modes, singularities, functions.",
     "examples:\n  krhpr info spatial_rrr_a\n  krhpr info spatial_rrr_a --function inverse\n"
     "  krhpr info spatial_rrr_a --json",
     add_arguments,

@@ -9,7 +9,6 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from krhpr.cli.columns import column_names
 from krhpr.cli.common import WrongUse
+from krhpr.errors import nearest
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Port, Signature
@@ -63,7 +63,7 @@ class Given:
 
 
 def read_source(path: str, wanted: str | None) -> Source:
-    """The text of a file (`-`: standard input) and its format: the one wanted, else by its ending or first character."""
+    """The text of a file (`-`: standard input); its format, unless wanted, by its ending or first character."""
     name = "standard input" if path == "-" else path
     try:
         data = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
@@ -87,7 +87,7 @@ def read_arguments(source: Source, signature: Signature, optional: Sequence[str]
     return _from_json(source, signature, optional)
 
 
-# -- JSON -------------------------------------------------------------------------------------------------------------
+# -- JSON ----------------------------------------------------------------------------------------------------
 
 
 def _from_json(source: Source, signature: Signature, optional: Sequence[str]) -> tuple[list[Given], bool]:
@@ -106,7 +106,8 @@ def _from_json(source: Source, signature: Signature, optional: Sequence[str]) ->
     if not isinstance(found, list) or not all(isinstance(entry, dict) for entry in found):
         what = "a list with something else in it" if isinstance(found, list) else _kind(found)
         raise WrongUse(
-            f"{source.name}: found {what}, expected an object of arguments ({_names(signature)}) or a list of such objects"
+            f"{source.name}: found {what}, expected an object of arguments ({_names(signature)}) "
+            "or a list of such objects"
         )
     elements = [_element(entry, signature, optional, source.name, f"[{n}]") for n, entry in enumerate(found)]
     return _stacked(elements, signature, source.name), True
@@ -152,7 +153,8 @@ def _array(value: Any, port: Port, source: str, path: str) -> np.ndarray[Any, An
     core = len(port.shape)
     if len(shape) < core or shape[len(shape) - core :] != port.shape:
         raise WrongUse(
-            f"{source}: {path}: found shape {_shape(shape)}, expected {_shape(('...', *port.shape))}: {port.doc}"
+            f"{source}: {path}: found shape {_shape(shape)}, expected {_shape(('...', *port.shape))}: "
+            f"{port.doc}"
         )
     return np.array(numbers, dtype=float).reshape(shape)
 
@@ -166,7 +168,8 @@ def _collect(value: Any, source: str, path: str, numbers: list[float]) -> tuple[
     for n, shape in enumerate(shapes):
         if shape != shapes[0]:
             raise WrongUse(
-                f"{source}: {path}[{n}]: ragged: found shape {_shape(shape)}, expected {_shape(shapes[0])} as in {path}[0]"
+                f"{source}: {path}[{n}]: ragged: found shape {_shape(shape)}, expected {_shape(shapes[0])} "
+                f"as in {path}[0]"
             )
     return (len(value), *(shapes[0] if shapes else ()))
 
@@ -209,7 +212,7 @@ def _in_batch(where: str) -> Callable[[tuple[int, ...]], str]:
     return lambda index: f"{where}, element {list(index)}" if index else where
 
 
-# -- CSV --------------------------------------------------------------------------------------------------------------
+# -- CSV -----------------------------------------------------------------------------------------------------
 
 
 def _from_csv(source: Source, signature: Signature, optional: Sequence[str]) -> Given:
@@ -289,7 +292,7 @@ def _cell(text: str, where: str) -> float:
     return number
 
 
-# -- words ------------------------------------------------------------------------------------------------------------
+# -- words ---------------------------------------------------------------------------------------------------
 
 
 def _check_names(
@@ -302,9 +305,7 @@ def _check_names(
 ) -> None:
     for name in found:
         if name not in known:
-            near = get_close_matches(name, known, n=3, cutoff=0.6)
-            hint = f"did you mean {' or '.join(near)}?" if near else f"{function} takes {', '.join(known)}"
-            raise WrongUse(f"{where}: unknown {what} {name!r}; {hint}")
+            raise WrongUse(f"{where}: unknown {what} {name!r} of {function}; {nearest(name, known)}")
     missing = [name for name in known if name not in found and name not in optional]
     if missing:
         plural = "s" if len(missing) > 1 else ""

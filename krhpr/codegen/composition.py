@@ -122,6 +122,10 @@ class RobotFunction:
         """The calls of one stage, in order."""
         return tuple(call for call in self.calls if call.stage is stage)
 
+    def uses_geometry(self, parts: Mapping[str, Part]) -> bool:
+        """Whether any of its kernels reads the geometry."""
+        return any(parts[call.part].kernel(call.kernel).geometry is not None for call in self.calls)
+
     @property
     def signature(self) -> str:
         """The generalized-ufunc signature; the last output is the status."""

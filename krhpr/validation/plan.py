@@ -200,7 +200,7 @@ _SUBLEG_PROOFS = (
         "project = N M, velocity = M theta_dot and rates = M^-1 s_dot.", ("velocity", "rates"),
     ),
     _Proof(
-        "determinant", "determinant", EXACT, _MANY,
+        "determinant of M", "determinant", EXACT, _MANY,
         "The closed form of det M equals the determinant of M; the dimensionless factors multiply up to it, with a "
         "constant of the geometry.",
     ),
@@ -211,7 +211,7 @@ _SUBLEG_PROOFS = (
         ("forward", "velocity"),
     ),
     _Proof(
-        "forward closes", "forward", BALL, _MANY,
+        "forward closes", "forward", EXACT, _MANY,
         "`forward` satisfies the closure in every assembly mode, and its posture is that of `posture`.",
         ("forward_posture", "posture"),
     ),
@@ -221,11 +221,11 @@ _SUBLEG_PROOFS = (
         ("inverse_all",),
     ),
     _Proof(
-        "reach", "reach", BALL, _MANY,
-        "`reach` is negative where the mode exists and vanishes where the radicand of `inverse` does.",
+        "reach", "reach", EXACT, _MANY,
+        "At random points within and out of reach: `reach` is positive just where the working mode does not exist.",
     ),
     _Proof(
-        "passive joints", "passive", BALL, _MANY,
+        "passive joints", "passive", EXACT, _MANY,
         "The links, laid end to end with the passive angles, meet in S_i; the last link's frame is a rotation.",
         only=FIRST_PRINCIPLES,
     ),
@@ -257,7 +257,7 @@ _PLATFORM_PROOFS = (
     ),
     _Proof("solve", "solve", EXACT, _MANY, "J times the twist of `solve` gives the rates back, for any S_i."),
     _Proof(
-        "determinant", "type_2", EXACT, _MANY,
+        "determinant of J", "type_2", EXACT, _MANY,
         "det J = det J_a det J_n, and both equal their closed forms in the redundant coordinates.",
     ),
     _Proof(

@@ -56,6 +56,7 @@ class _FunctionView:
     zeros: tuple[tuple[str, int], ...]
     shared_locals: tuple[str, ...]
     leg_locals: tuple[str, ...]
+    uses_geometry: bool
     angle_count: int
     shared_angle_calls: tuple[str, ...]
     leg_angle_calls: tuple[str, ...]
@@ -296,6 +297,7 @@ def _function_view(robot: RobotCode, function: RobotFunction) -> _FunctionView:
             ]
             + [f"double {port.name}_block[{port.size}];" for port in diagonal]
         ),
+        uses_geometry=function.uses_geometry(robot.parts),
         angle_count=plan.angle_count,
         shared_angle_calls=tuple(plan.shared_angle_calls),
         leg_angle_calls=tuple(plan.leg_angle_calls),

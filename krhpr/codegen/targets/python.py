@@ -119,6 +119,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         "pose": [port.name for port in function.inputs[:2]],
         "optional": [(name, f"({optional[name]},) * 3") for name in present],
         "procedure": not function.calls,
+        "uses_geometry": function.uses_geometry(robot.parts),
         "input_docs": [
             python_port(port) + (", the default unless given" if port.name in optional else "")
             for port in function.inputs
@@ -154,8 +155,6 @@ def _argument(variable: Variable, stage: Stage) -> str:
         return f'arguments.{"leg" if stage is Stage.LEG else "whole"}("{variable.name}")'
     if stage is Stage.PLATFORM and variable.per_leg:
         return f"rt.legs({variable.name})"
-    if stage is Stage.LEG and not variable.per_leg:
-        return f"rt.shared({variable.name})"
     return variable.name
 
 

@@ -1,0 +1,248 @@
+"""`krhpr generate`: derive, print, write or compare, compile, and one table of what it came to."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
+
+from krhpr.cli.common import Column, Command, Exit, Step, WrongUse, print_table, progress
+from krhpr.errors import UnknownRobot
+
+if TYPE_CHECKING:
+    from krhpr.codegen.output import Change
+    from krhpr.codegen.pipeline import Derived
+    from krhpr.codegen.targets.base import File
+    from krhpr.derivations.catalogue import Entry
+
+EPILOG = """\
+examples:
+  krhpr generate                            write generated/ and compile every robot
+  krhpr generate --check                    write nothing; exit code 3 where a file would change
+  krhpr generate spatial_rrr_a --out arm    a folder that stands alone: a Python package, and C with CMake
+
+Files are moved into place when all of them are ready; an interrupted run leaves the old ones whole."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The command's arguments."""
+    parser.add_argument(
+        "robots",
+        metavar="ROBOT",
+        nargs="*",
+        help="robots to gather with --out (default: all of the catalogue)",
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing: say which files would change, and why"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", type=Path, help="write a folder that stands alone: nothing in it needs krhpr"
+    )
+    parser.add_argument(
+        "--no-compile", action="store_true", help="do not compile; kernels are compiled when first used"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Generate, or compare."""
+    if options.robots and options.out is None:
+        raise WrongUse(
+            "robots share files, so generated/ is written for all of them at once: leave the names out, or "
+            "add --out DIR to gather what these robots need into a folder of its own"
+        )
+    from krhpr.codegen.pipeline import TARGETS
+
+    begin = perf_counter()
+    entries = _entries(options.robots)
+    folder = generated_folder() if options.out is None else options.out.absolute()
+    if not options.check:
+        _refuse_read_only(folder, options.out is None)
+    compiles = not (options.check or options.no_compile or options.out)
+    with progress(len(entries) + len(TARGETS) + 1 + (len(entries) + 1) * compiles) as step:
+        derived, files = _derive_and_print(entries, options.out, step)
+        printed = perf_counter() - begin
+        if options.check:
+            return _report_check(files, folder, standalone=options.out is not None)
+        changes = _write(files, folder, standalone=options.out is not None)
+        note = _compile([robot.identifier for robot in derived.robots], step) if compiles else ""
+    _print_table(derived, files)
+    print(f"\n{len(files)} files in {folder}, {_changed(changes)}; {printed:.1f} s")
+    if note:
+        print(note)
+    return Exit.OK
+
+
+def generated_folder() -> Path:
+    """The folder of krhpr.generated, which may still be empty: it lies beside that of krhpr.derivations."""
+    import krhpr.derivations
+
+    return Path(next(iter(krhpr.derivations.__path__))).absolute().with_name("generated")
+
+
+def _entries(names: Sequence[str]) -> list[Entry]:
+    from krhpr.derivations.catalogue import catalogue
+
+    known = {entry.identifier: entry for entry in catalogue()}
+    for name in names:
+        if name not in known:
+            raise UnknownRobot.among(name, list(known))
+    return [entry for identifier, entry in known.items() if not names or identifier in names]
+
+
+def _derive_and_print(entries: Sequence[Entry], out: Path | None, step: Step) -> tuple[Derived, list[File]]:
+    from krhpr.codegen.pipeline import derive, print_all
+    from krhpr.codegen.standalone import standalone_files
+
+    derived = derive(entries, step)
+    files = print_all(derived, step)
+    if out is not None:
+        files = standalone_files(derived, files, out.absolute().name)
+    return derived, files
+
+
+# -- comparing and writing -----------------------------------------------------------------------------------
+
+
+def _report_check(files: Sequence[File], folder: Path, *, standalone: bool) -> int:
+    from krhpr.codegen.output import Difference, compare
+
+    changes = compare(files, folder)
+    if standalone:
+        changes = [change for change in changes if change.difference is not Difference.FOREIGN]
+    if not changes:
+        print(f"{folder}: {len(files)} files, all as generated")
+        return Exit.OK
+    for change in changes:
+        print(f"{change.difference:8} {change.path}: {change.why}")
+    count = f"{len(changes)} file{'s' if len(changes) > 1 else ''}"
+    print(f"\n{folder}: {count} not as generated; run `krhpr generate` without --check")
+    return Exit.DIFFERENCE
+
+
+def _write(files: Sequence[File], folder: Path, *, standalone: bool) -> list[Change]:
+    from krhpr.codegen.output import is_generated, write
+
+    if standalone:
+        own = [
+            file.path
+            for file in files
+            if (folder / file.path).exists() and not is_generated(folder / file.path)
+        ]
+        if own:
+            raise WrongUse(
+                f"{folder} holds files that were not generated and would be lost: {', '.join(own)}"
+            )
+    try:
+        with _one_interrupt():
+            return write(files, folder)
+    except PermissionError:
+        _stop_read_only(folder, not standalone)
+
+
+def _refuse_read_only(folder: Path, default: bool) -> None:
+    """Stop before the work where nothing can be written."""
+    existing = next(place for place in (folder, *folder.parents) if place.exists())
+    if not existing.is_dir():
+        raise WrongUse(f"{existing} is a file, not a folder")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        _stop_read_only(folder, default)
+
+
+def _stop_read_only(folder: Path, default: bool) -> NoReturn:
+    message = f"{folder} cannot be written"
+    if default:
+        message += (
+            ". Add --out DIR to write elsewhere; to change the robots that `import krhpr` finds, work in a "
+            "clone: `make generate`, or `pip install --editable '.[generate]'` and `krhpr generate`"
+        )
+    raise WrongUse(message)
+
+
+@contextmanager
+def _one_interrupt() -> Iterator[None]:
+    """The first interrupt (or termination) ends the writing; later ones do not disturb its being undone."""
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        for name in signals:
+            signal.signal(name, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(name, interrupt) for name in signals]
+    try:
+        yield
+    finally:
+        for name, handler in zip(signals, before, strict=True):
+            signal.signal(name, handler)
+
+
+def _changed(changes: Sequence[Change]) -> str:
+    if not changes:
+        return "none changed"
+    names = ", ".join(change.path for change in changes[:3])
+    return f"{len(changes)} changed ({names}{', ...' if len(changes) > 3 else ''})"
+
+
+# -- compiling -----------------------------------------------------------------------------------------------
+
+
+def _compile(identifiers: Sequence[str], step: Step) -> str:
+    """Compile ahead of time; returns what there is to say of it."""
+    from krhpr.cli.compiling import compile_all
+    from krhpr.native import NoCompiler, cache_folder
+
+    begin = perf_counter()
+    try:
+        compile_all(identifiers, step)
+    except NoCompiler as error:
+        return (
+            f"Not compiled: {error}.\nRobots run on the pure NumPy modules: the same results, but a single call "
+            "takes tens of times longer, and large batches several times."
+        )
+    return f"Compiled kernels in {cache_folder()}; {perf_counter() - begin:.1f} s"
+
+
+# -- the table -----------------------------------------------------------------------------------------------
+
+
+def _print_table(derived: Derived, files: Sequence[File]) -> None:
+    from krhpr.codegen.report import summary
+
+    sys.stderr.flush()
+    columns = (
+        Column("robot"),
+        Column("functions", numeric=True),
+        Column("operations as written", numeric=True),
+        Column("after optimisation", numeric=True),
+        Column("lines", numeric=True),
+        Column("seconds", numeric=True),
+    )
+    rows = [
+        (
+            row["robot"],
+            row["functions"],
+            row["written"],
+            row["operations"],
+            row["lines"],
+            derived.seconds[str(row["robot"])],
+        )
+        for row in summary(derived.robots, files)
+    ]
+    print_table(columns, rows)
+
+
+COMMAND = Command(
+    "generate",
+    "Derive the robots and write their code: C, NumPy and CasADi.  Without --out that is the folder of "
+    "krhpr.generated, for all robots, and their kernels are compiled as well.",
+    EPILOG,
+    add_arguments,
+    run,
+)

@@ -1,0 +1,325 @@
+"""Proofs about platform arrangements: rows, velocities and accelerations follow from the constraint equations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+from krhpr.codegen.evaluate import evaluate_kernel
+from krhpr.codegen.kernel import LEGS, Kernel
+from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms.base import Platform
+from krhpr.validation.arithmetic import RATIONAL
+from krhpr.validation.configurations import Configuration, configuration
+from krhpr.validation.draw import Draw
+from krhpr.validation.jets import HALF, Jet, accelerations, coefficients, straight, turning
+from krhpr.validation.linear import (
+    Matrix,
+    apply,
+    cross,
+    determinant,
+    identity,
+    matrix,
+    minus,
+    plus,
+    scaled,
+    times,
+    transpose,
+)
+from krhpr.validation.numbers import Exact
+from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.plan import Check
+from krhpr.validation.proofs import thesis
+from krhpr.validation.proofs.sublegs import fields, proof, tangent_kernel, unit
+from krhpr.validation.proofs.surd import ROOT, THIRDS, Surd, rational_angle, surd
+from krhpr.validation.subject import Subject
+
+
+def moving(here: Configuration) -> dict[str, list[Any]]:
+    """The platform's pose and redundant coordinates as motions with the configuration's rates."""
+    d = here.subject.platform.space.dimension
+    v = here.values
+    twist, rate = v["twist"], v["twist_rate"]
+    motions: dict[str, list[Any]] = {"p": straight(v["p"], twist[:d], rate[:d])}
+    if here.subject.planar:
+        phi = Jet.motion(v["phi"][0], twist[d], rate[d])
+        motions |= {"phi": [phi], "Q": [phi.cos(), -phi.sin(), phi.sin(), phi.cos()]}
+    else:
+        motions["Q"] = turning(v["Q"], twist[d:], rate[d:])
+    motions["redundant"] = straight(v["redundant"], v["redundant_rate"], v["redundant_acceleration"])
+    return motions
+
+
+def moving_end_point(here: Configuration, leg: int) -> list[Any]:
+    """S_i along the platform's motion."""
+    motions = moving(here)
+    return here.kernel(
+        "platform", "end_point", leg, p=motions["p"], Q=motions["Q"], redundant=[motions["redundant"][leg]]
+    )["s"]
+
+
+def rows(here: Configuration, leg: int, **inputs: Any) -> tuple[Matrix, Matrix]:
+    """The leg's rows of J and N."""
+    space = here.subject.platform.space
+    found = here.kernel("platform", "rows", leg, **inputs)
+    return matrix(found["J"], space.degrees_of_freedom), matrix(found["N"], space.dimension)
+
+
+def pose_rates(here: Configuration, twist: list[Any]) -> tuple[list[Any], list[Any]]:
+    """p_dot and Q_dot of a twist."""
+    d = here.subject.platform.space.dimension
+    Q = matrix(here.values["Q"], d)
+    if here.subject.planar:
+        columns = [scaled(twist[2], thesis.quarter(column)) for column in transpose(Q)]
+    else:
+        columns = [cross(twist[3:], column) for column in transpose(Q)]
+    return twist[:d], [entry for row in transpose(columns) for entry in row]
+
+
+def closure(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """The end point closes the constraints and gives the redundant coordinate back."""
+    residual = here.kernel("platform", "residual", leg)["residual"]
+    found.equal(residual, [Exact(0)] * len(residual), "residual")
+    found.equal(here.kernel("platform", "redundant", leg)["redundant"], here.leg("redundant", leg), "redundant")
+
+
+def rows_are_derivatives(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """Each column of J and N against the derivative of the residual, by tangents of its graph."""
+    rate = tangent_kernel(subject.derived("platform", "residual"), "residual", ("p", "Q", "s"))
+    space = subject.platform.space
+    J, N = rows(here, leg)
+    still = [Exact(0)] * space.dimension
+    for index in range(space.degrees_of_freedom):
+        d_p, d_q = pose_rates(here, unit(space.degrees_of_freedom, index))
+        got = here.kernel("platform", rate, leg, d_p=d_p, d_Q=d_q, d_s=still)["rate"]
+        found.equal(got, [row[index] for row in J], f"J, column {index}")
+    nothing = [Exact(0)] * space.dimension**2
+    for index in range(space.dimension):
+        got = here.kernel("platform", rate, leg, d_p=still, d_Q=nothing, d_s=unit(space.dimension, index))["rate"]
+        found.equal(got, [-row[index] for row in N], f"N, column {index}")
+
+
+def thesis_rows(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """J as printed."""
+    name = subject.code.platform.name
+    Q = matrix(here.values["Q"], subject.platform.space.dimension)
+    printed = thesis.ROWS[name](fields(here, leg, "platform"), here.values["p"], Q, here.leg("s", leg))
+    found.equal(rows(here, leg)[0], printed, "J")
+
+
+def lines(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """Lines and points are rows of J and S_i turned into the platform frame."""
+    d = subject.platform.space.dimension
+    result = here.kernel("platform", "line", leg)
+    J, N = rows(here, leg)
+    turned_back = transpose(matrix(here.values["Q"], d))
+    direction, moment = J[0][:d], J[0][d:]
+    wanted = [*apply(turned_back, direction), *(moment if subject.planar else apply(turned_back, moment))]
+    found.equal(result["line"], wanted, "line")
+    found.equal(matrix(result["N"], d), N, "N")
+    arm = minus(here.leg("s", leg), here.values["p"])
+    found.equal(result["point"], apply(turned_back, arm)[:2], "point")
+    if not subject.planar:
+        q_z = [row[2] for row in matrix(here.values["Q"], d)]
+        found.equal(J[1], [*q_z, *cross(arm, q_z)], "normal row")
+
+
+def end_motion(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """Velocity and acceleration of the end point against its series."""
+    s = moving_end_point(here, leg)
+    found.equal(coefficients(s, 0), here.leg("s", leg), "s")
+    found.equal(coefficients(s, 1), here.kernel("platform", "end_velocity", leg)["s_dot"], "s_dot")
+    result = here.kernel("platform", "end_acceleration", leg)
+    found.equal(result["s_dot"], coefficients(s, 1), "s_dot beside s_ddot")
+    found.equal(result["s_ddot"], accelerations(s), "s_ddot")
+    motions = moving(here)
+    residual = here.kernel("platform", "residual", leg, s=s, p=motions["p"], Q=motions["Q"])["residual"]
+    for order in range(3):
+        found.equal(coefficients(residual, order), [Exact(0)] * len(residual), f"residual, order {order}")
+
+
+def row_bias(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """(1.30) differentiated, with the end point's acceleration from its series."""
+    s = moving_end_point(here, leg)
+    J, N = rows(here, leg)
+    bias = here.kernel("platform", "row_bias", leg, s_dot=coefficients(s, 1))["bias"]
+    found.equal(apply(J, here.values["twist_rate"]), plus(apply(N, accelerations(s)), bias), "J t_dot")
+
+
+def whole(here: Configuration, **inputs: Any) -> tuple[Matrix, dict[str, list[Any]]]:
+    """J of all legs, and the lines, points and scales that kernels of the whole platform read."""
+    J: Matrix = []
+    gathered: dict[str, list[Any]] = {"line": [], "point": [], "scale": []}
+    for leg in range(LEGS):
+        of_leg = {name: values[leg] for name, values in inputs.items()}
+        J += rows(here, leg, **of_leg)[0]
+        result = here.kernel("platform", "line", leg, **of_leg)
+        for name, values in gathered.items():
+            values += result[name]
+    return J, gathered
+
+
+def solving(subject: Subject, check: Check, count: int) -> Measured:
+    """J solve(r) = r for any end points, on the constraints or not."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    for _ in range(count):
+        here = configuration(subject, source)
+        rates = [here.arithmetic.constant(source.nonzero().fraction) for _ in range(LEGS * subject.platform.space.rows_per_leg)]
+        for s in ([here.leg("s", leg) for leg in range(LEGS)], [source.vector(len(here.leg("s", 0))) for _ in range(LEGS)]):
+            J, gathered = whole(here, s=s)
+            inputs = {"Q": here.values["Q"], "line": gathered["line"], "point": gathered["point"], "rate": rates}
+            twist = evaluate_kernel(subject.derived("platform", "solve"), inputs, None, here.arithmetic)["twist"]
+            found.equal(apply(J, twist), rates, "J t")
+            found.samples += 1
+    return found
+
+
+# -- determinants -----------------------------------------------------------------------------------------------------
+
+
+def closed_form_kernel(platform: Platform) -> Kernel:
+    """The factors of det J in the redundant coordinates and the three legs' fields (`<field>_<leg>`)."""
+    k = KernelWriter("closed_form", "Factors of det J.")
+    redundant = [k.input(f"redundant_{leg}", ()) for leg in range(LEGS)]
+    legs = [
+        SimpleNamespace(**{field.name: k.input(f"{field.name}_{leg}", ()) for field in platform.geometry().fields})
+        for leg in range(LEGS)
+    ]
+    for index, value in enumerate(platform.closed_form(k, redundant, legs)):
+        k.output(f"factor_{index}", value)
+    return k.kernel()
+
+
+def closed_form(platform: Platform, redundant: list[Any], geometry: dict[str, list[Any]]) -> list[Any]:
+    """The closed form, evaluated."""
+    kernel = closed_form_kernel(platform)
+    inputs = {f"redundant_{leg}": [redundant[leg]] for leg in range(LEGS)}
+    inputs |= {f"{name}_{leg}": [values[leg]] for name, values in geometry.items() for leg in range(LEGS)}
+    results = evaluate_kernel(kernel, inputs, None, RATIONAL)
+    return [results[port.name][0] for port in kernel.outputs]
+
+
+def plate_fields(subject: Subject, geometry: Any) -> dict[str, list[Any]]:
+    """The platform's fields alone."""
+    return {field.name: list(geometry[field.name]) for field in subject.geometry_types["platform"].fields}
+
+
+def determinants(subject: Subject, check: Check, count: int) -> Measured:
+    """det J, its factors, and their closed forms."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    for _ in range(count):
+        here = configuration(subject, source)
+        J, gathered = whole(here)
+        factors = evaluate_kernel(subject.derived("platform", "type_2"), gathered, None, here.arithmetic)["type_2"]
+        product = factors[0] if len(factors) == 1 else factors[0] * factors[1]
+        found.equal([product], [determinant(J)], "det J")
+        wanted = closed_form(subject.platform, here.values["redundant"], plate_fields(subject, here.geometry))
+        found.equal(factors, wanted, "closed form")
+        found.samples += 1
+    return found
+
+
+def equilateral(subject: Subject, check: Check, count: int) -> Measured:
+    """The formulas of the errata for an equilateral platform, factors and margins."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    plate = subject.geometry_types["platform"]
+    for _ in range(count):
+        geometry: dict[str, list[Any]] = {}
+        for field in plate.fields:
+            value = surd(source.length())
+            geometry[field.name] = list(THIRDS) if field.name == "platform_azimuth" else [value] * LEGS
+        angular = subject.platform.redundant_joint.kind == "revolute"
+        redundant = [rational_angle(source.angle()) if angular else surd(source.length()) for _ in range(LEGS)]
+        d = subject.platform.space.dimension
+        gathered: dict[str, list[Any]] = {"line": [], "point": [], "scale": []}
+        pose = {"p": [surd(x) for x in source.vector(d)], "Q": [surd(x) for x in source.rotation(d)]}
+        for leg in range(LEGS):
+            s = subject.kernel("platform", "end_point", {**pose, "redundant": [redundant[leg]]}, geometry, leg, RATIONAL)["s"]
+            result = subject.kernel("platform", "line", {**pose, "s": s}, geometry, leg, RATIONAL)
+            for name, values in gathered.items():
+                values += result[name]
+        got = evaluate_kernel(subject.derived("platform", "type_2"), gathered, None, RATIONAL)
+        factors, margins = EQUILATERAL[subject.code.platform.name](redundant, geometry)
+        for name, wanted in (("type_2", factors), ("margins", margins)):
+            for index, (a, b) in enumerate(zip(got[name], wanted, strict=True)):
+                found.worse(0.0 if surd(a) == surd(b) else 1.0, f"{name}[{index}]: {a!r} is not {b!r}")
+        found.samples += 1
+    return found
+
+
+def _f(beta: list[Any]) -> Any:
+    terms = [beta[i].sin() * (THIRDS[1] + beta[(i + 1) % 3] - beta[(i + 2) % 3]).sin() for i in range(3)]
+    return terms[0] + terms[1] + terms[2]
+
+
+def _g(beta: list[Any], r: Any, length: Any) -> Any:
+    cosines = beta[0].cos() + beta[1].cos() + beta[2].cos()
+    sines = [(THIRDS[1] + beta[i] - beta[(i + 1) % 3]).sin() for i in range(3)]
+    return HALF * 3 * ROOT * r * r - ROOT * r * length * cosines + length * length * (sines[0] + sines[1] + sines[2])
+
+
+def _spatial_a(beta: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[Any]]:
+    r, length = g["R_p"][0], g["l_r"][0]
+    f, normal = _f(beta), _g(beta, r, length)
+    return [-(length * length * length * r * f), normal], [f, normal / (r * r)]
+
+
+def _planar_a(beta: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[Any]]:
+    r, length = g["R_p"][0], g["l_r"][0]
+    return [-(length * length * length * r * _f(beta))], [_f(beta)]
+
+
+def _spatial_c(d: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[Any]]:
+    s_1, s_2 = d[0] + d[1] + d[2], d[0] * d[1] + d[1] * d[2] + d[2] * d[0]
+    factors = [HALF * ROOT * s_1, HALF * ROOT * s_2]
+    return factors, factors
+
+
+EQUILATERAL: dict[str, Callable[..., tuple[list[Surd], list[Surd]]]] = {
+    "platform_spatial_a": _spatial_a,
+    "platform_spatial_c": _spatial_c,
+    "platform_planar_a": _planar_a,
+}
+
+
+# -- redundant link ---------------------------------------------------------------------------------------------------
+
+
+def joint(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """The redundant link's frame, and where it points."""
+    d = subject.platform.space.dimension
+    g = fields(here, leg, "platform")
+    p, s, Q = here.values["p"], here.leg("s", leg), matrix(here.values["Q"], d)
+    result = here.kernel("platform", "joint", leg)
+    found.equal(result["platform_joint"], here.leg("redundant", leg), "platform joint")
+    along = result["redundant_link"]
+    if not subject.planar:
+        frame = matrix(result["redundant_link"], 3)
+        columns = transpose(frame)
+        found.equal(times(transpose(frame), frame), identity(3), "R^T R")
+        found.equal(cross(columns[0], columns[1]), columns[2], "x cross y")
+        found.equal(columns[2], [row[2] for row in Q], "z")
+        along = columns[0]
+    if "l_r" in g:
+        found.equal(plus(s, scaled(g["l_r"], along)), plus(p, apply(Q, thesis.joint_in_platform(g)[:d])), "B_i")
+    else:
+        found.equal(plus(p, scaled(here.leg("redundant", leg)[0], along)), s, "S_i on the slide")
+        found.equal(along, apply(Q, thesis.slide_in_platform(g)), "slide")
+
+
+RUNNERS: dict[str, Runner] = {
+    "closure": proof(closure),
+    "rows": proof(rows_are_derivatives),
+    "thesis rows": proof(thesis_rows),
+    "lines": proof(lines),
+    "end velocity and acceleration": proof(end_motion),
+    "row bias": proof(row_bias),
+    "solve": solving,
+    "determinant of J": determinants,
+    "equilateral": equilateral,
+    "joint": proof(joint),
+}
