@@ -2,8 +2,8 @@
 
     python examples/first_steps.py
 
-Needs NumPy.  Where there is a C compiler the functions run on compiled kernels (the first call compiles them),
-else on NumPy; the numbers are the same to rounding.
+Needs NumPy.  Where there is a C compiler the functions run on compiled kernels (the first call compiles
+them), else on NumPy; the numbers are the same to rounding.
 """
 
 from __future__ import annotations

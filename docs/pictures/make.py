@@ -310,7 +310,7 @@ def _arrow(ax: Any, start: Point, along: Point, text: str, colour: str = INK) ->
 
 
 def _arc(ax: Any, centre: Point, radius: float, start: float, end: float, text: str, away: float) -> None:
-    """The arc of an angle from `start` to `end` (radians, in the direction of the difference) with an arrow head."""
+    """The arc of an angle from `start` to `end` in radians, with an arrow head at `end`."""
     low, high = sorted((start, end))
     ax.add_patch(
         Arc(

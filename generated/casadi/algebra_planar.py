@@ -8,7 +8,6 @@ Checked: this text, run in exact arithmetic, equals the derivation (see ../VALID
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca

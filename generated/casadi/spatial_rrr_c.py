@@ -123,7 +123,7 @@ def subleg_inverse(geometry: Any) -> Any:
     theta: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        theta_i, radicand_i = subleg.inverse_all(subleg.prepare(fields), call.leg("s", i))
+        theta_i, _radicand = subleg.inverse_all(subleg.prepare(fields), call.leg("s", i))
         theta += theta_i
     return call.function({"theta": theta})
 
@@ -248,7 +248,7 @@ def inverse(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
-        theta_i, radicand_i = subleg.inverse(subleg.prepare(fields), s_i, call.leg("mode", i))
+        theta_i, _radicand = subleg.inverse(subleg.prepare(fields), s_i, call.leg("mode", i))
         theta += theta_i
     return call.function({"theta": theta})
 
@@ -271,7 +271,7 @@ def inverse_all(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
-        theta_i, radicand_i = subleg.inverse_all(subleg.prepare(fields), s_i)
+        theta_i, _radicand = subleg.inverse_all(subleg.prepare(fields), s_i)
         theta += theta_i
     return call.function({"theta": theta})
 
@@ -321,14 +321,14 @@ def twist(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         s_dot_i = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, call.leg("theta_dot", i))
         rate_i = algebra.rate(N_i, s_dot_i)
         line += line_i
         point += point_i
         rate += rate_i
-    twist, det_regularity = platform.solve(call.whole("Q"), line, point, rate)
+    twist, _det_regularity = platform.solve(call.whole("Q"), line, point, rate)
     return call.function({"twist": twist})
 
 
@@ -354,7 +354,7 @@ def joint_rates(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_dot_i = platform.end_velocity(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i))
         x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        theta_dot_i, regularity_i = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, s_dot_i)
+        theta_dot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, s_dot_i)
         theta_dot += theta_dot_i
     return call.function({"theta_dot": theta_dot})
 
@@ -383,7 +383,7 @@ def platform_acceleration(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         s_dot_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         along_i = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, call.leg("theta_ddot", i))
@@ -393,7 +393,7 @@ def platform_acceleration(geometry: Any) -> Any:
         line += line_i
         point += point_i
         rate += rate_i
-    twist_rate, det_regularity = platform.solve(call.whole("Q"), line, point, rate)
+    twist_rate, _det_regularity = platform.solve(call.whole("Q"), line, point, rate)
     return call.function({"twist_rate": twist_rate})
 
 
@@ -421,11 +421,11 @@ def joint_accelerations(geometry: Any) -> Any:
     theta_ddot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_dot_i, s_ddot_i = platform.end_acceleration(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
-        s_dot_again_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        _s_dot, s_ddot_i = platform.end_acceleration(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
+        _s_dot_again, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)
         x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        theta_ddot_i, regularity_i = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, along_i)
+        theta_ddot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, along_i)
         theta_ddot += theta_ddot_i
     return call.function({"theta_ddot": theta_ddot})
 
@@ -450,7 +450,7 @@ def passive_joints(geometry: Any) -> Any:
     spherical: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, _d, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         link_i = subleg.passive(subleg.prepare(fields), x_i, e_2_i, v_1_i)
         redundant_link_i, platform_joint_i = platform.joint(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         spherical_i = algebra.wrist(link_i, redundant_link_i)
@@ -487,9 +487,9 @@ def singularity(geometry: Any) -> Any:
     scale: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        _x, _e_2, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), d_i, v_1_i)
-        line_i, point_i, N_i, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        line_i, point_i, _N, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         type_1 += type_1_i
         factors += factors_i
         line += line_i

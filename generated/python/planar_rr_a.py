@@ -818,7 +818,7 @@ def twist(p: Any, phi: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geo
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         s_dot = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
@@ -897,7 +897,7 @@ def platform_acceleration(p: Any, phi: Any, s: Any, theta: Any, twist: Any, thet
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_ddot"))
@@ -944,8 +944,8 @@ def joint_accelerations(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redund
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
-        s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        _s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
+        _s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_ddot, regularity = subleg.rates(g.subleg, d, u_2, along)
@@ -982,7 +982,7 @@ def passive_joints(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry =
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        _d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         link = subleg.passive(g.subleg, u_2)
         redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         wrist = algebra.wrist(link, redundant_link)
@@ -1024,7 +1024,7 @@ def singularity(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DE
         Q = algebra.rotation(arguments.whole("phi"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         type_1, factors = subleg.determinant(g.subleg, d, u_2)
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
+        line, point, _N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(
             {

@@ -905,7 +905,7 @@ def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geome
     arguments = rt.Arguments(SIGNATURES["twist"], (p, Q, s, theta, theta_dot,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         s_dot, regularity = subleg.velocity(g.subleg, x, e_2, d, u_1, u_2, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
@@ -986,7 +986,7 @@ def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_
     arguments = rt.Arguments(SIGNATURES["platform_acceleration"], (p, Q, s, theta, twist, theta_dot, theta_ddot,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along, regularity = subleg.velocity(g.subleg, x, e_2, d, u_1, u_2, arguments.leg("theta_ddot"))
@@ -1035,8 +1035,8 @@ def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundan
     arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, Q, s, theta, twist, redundant_rate, theta_dot, twist_rate, redundant_acceleration,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
-        s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        _s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
+        _s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_ddot, regularity = subleg.rates(g.subleg, x, e_2, d, u_1, u_2, along)
@@ -1116,9 +1116,9 @@ def singularity(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, Q, s, theta,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        _x, _e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         type_1, factors = subleg.determinant(g.subleg, d, u_1, u_2)
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, _N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(
             {

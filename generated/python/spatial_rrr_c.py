@@ -849,7 +849,7 @@ def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geome
     arguments = rt.Arguments(SIGNATURES["twist"], (p, Q, s, theta, theta_dot,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         s_dot = subleg.velocity(g.subleg, x, e_2, d, v_1, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
@@ -929,7 +929,7 @@ def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_
     arguments = rt.Arguments(SIGNATURES["platform_acceleration"], (p, Q, s, theta, twist, theta_dot, theta_ddot,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along = subleg.velocity(g.subleg, x, e_2, d, v_1, arguments.leg("theta_ddot"))
@@ -977,8 +977,8 @@ def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundan
     arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, Q, s, theta, twist, redundant_rate, theta_dot, twist_rate, redundant_acceleration,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
-        s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        _s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
+        _s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_ddot, regularity = subleg.rates(g.subleg, x, e_2, d, v_1, along)
@@ -1013,7 +1013,7 @@ def passive_joints(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = D
     arguments = rt.Arguments(SIGNATURES["passive_joints"], (p, Q, s, theta,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        x, e_2, _d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         link = subleg.passive(g.subleg, x, e_2, v_1)
         redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         spherical = algebra.wrist(link, redundant_link)
@@ -1054,9 +1054,9 @@ def singularity(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, Q, s, theta,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        _x, _e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         type_1, factors = subleg.determinant(g.subleg, d, v_1)
-        line, point, N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, _N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(
             {

@@ -122,6 +122,13 @@ class RobotFunction:
         """The calls of one stage, in order."""
         return tuple(call for call in self.calls if call.stage is stage)
 
+    def read(self, parts: Mapping[str, Part], *, guards: bool) -> set[str]:
+        """Variables that something reads: a later kernel, the caller, or a guard."""
+        found = {port.name for port in self.outputs}
+        for call in self.calls:
+            found |= {call.variable_in(port.name) for port in parts[call.part].kernel(call.kernel).inputs}
+        return found | ({guard.variable for guard in self.guards} if guards else set())
+
     def uses_geometry(self, parts: Mapping[str, Part]) -> bool:
         """Whether any of its kernels reads the geometry."""
         return any(parts[call.part].kernel(call.kernel).geometry is not None for call in self.calls)

@@ -103,7 +103,7 @@ static int check(const struct function *f, const geometry *g, struct buffers *b,
     const int status = f->call(g, in, b->out);
     const int second = f->call(g, in, b->again);
     CHECK(status == second, "status %d, then %d", status, second);
-    CHECK(status >= KRHPR_OK && status <= KRHPR_INVALID_INPUT, "status %d", status);
+    CHECK(status >= 0 && status <= LAST_STATUS, "status %d is none of the enumeration", status);
     CHECK((status == KRHPR_INVALID_INPUT) == !finite, "status %d for %sfinite input", status, finite ? "" : "in");
     int nan = 0;
     for (int k = 0; k < f->n_out; ++k) {

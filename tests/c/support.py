@@ -14,6 +14,7 @@ import pytest
 
 import krhpr.generated
 from krhpr.backend import c_sources
+from krhpr.generated.python.runtime import Port, Status
 
 HERE = Path(__file__).parent
 SOURCES = c_sources()
@@ -67,7 +68,7 @@ def functions(identifier: str) -> tuple[Function, ...]:
     """Every function of a robot."""
     signatures = import_module(f"krhpr.generated.python.{identifier}").SIGNATURES
 
-    def arguments(ports: Sequence[krhpr.generated.python.runtime.Port]) -> tuple[Argument, ...]:
+    def arguments(ports: Sequence[Port]) -> tuple[Argument, ...]:
         return tuple(
             Argument(port.name, prod(port.shape), not port.shape, port.layout == "stacked") for port in ports
         )
@@ -91,7 +92,8 @@ def run(command: Sequence[str | Path], *, text: str | None = None, cwd: Path | N
     done = subprocess.run(
         [str(word) for word in command], input=text, capture_output=True, text=True, check=False, cwd=cwd
     )
-    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout[-4000:]}\n{done.stderr[-4000:]}"
+    said = "\n".join([" ".join(map(str, command)), done.stdout[-4000:], done.stderr[-4000:]])
+    assert done.returncode == 0, said
     return done.stdout
 
 
@@ -120,6 +122,6 @@ def table(identifier: str) -> str:
     lines += ["", "static const struct function functions[] = {", *rows, "};", ""]
     lines += [
         f"#define DEFAULT_GEOMETRY krhpr_{identifier}_default_geometry",
-        f"#define SET_GEOMETRY krhpr_{identifier}_set_geometry",
+        f"#define LAST_STATUS {max(Status)}",
     ]
     return "\n".join(lines) + "\n"

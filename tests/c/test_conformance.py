@@ -10,16 +10,22 @@ import pytest
 from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, program, run
 
 HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
+LARGEST_FRAME = 8192
+"""Bytes of stack that one function may take."""
+
 SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
 
-# What a robot may ask of the system: six functions of math.h (sincos is how gcc calls sin and cos of one angle), and what
-# compilers put in for loops that copy or clear.
-ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "memset", "memcpy"}
+# What a robot may ask of the system: functions of math.h (sincos is how gcc calls sin and cos of one angle, copysign is
+# one only without optimisation), and what compilers put in for loops that copy or clear.
+ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "copysign", "memset", "memcpy"}
 POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 
-# Bounds of loops: a number, or a count that the caller gives.
+# Loops count upwards to a constant, or to a count that the caller gives.
 LOOP = re.compile(
-    r"for \((?:int|ptrdiff_t) (\w+) = 0; \1 < (?:\d+|n|\(ptrdiff_t\)count); \+\+\1\)"
+    r"for \((?:int|ptrdiff_t) (\w+) = \w+; \1 < (?:\d+|KRHPR_LANES|n|\(ptrdiff_t\)count); (?:\+\+\1|\1 \+= KRHPR_LANES)\)"
+)
+FORBIDDEN = re.compile(
+    r"\b(while|goto|setjmp|longjmp|alloca|malloc|calloc|realloc|free|pow|volatile|extern(?! \"C\"))\b"
 )
 
 
@@ -94,19 +100,23 @@ def test_no_writable_data(robot: str, compiler: str, tmp_path: Path) -> None:
     rows = [line.split() for line in run([size, "-A", library]).splitlines()]
     sections = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
     assert sections[".text"] > 0
-    writable = {name: n for name, n in sections.items() if re.match(r"\.(data|bss|tdata|tbss|ldata|lbss|common)\b", name)}
-    assert not any(writable.values()), writable
+    kinds = re.compile(r"\.(data|bss|tdata|tbss|ldata|lbss|common)\b")
+    writable = {name: length for name, length in sections.items() if kinds.match(name) and length}
+    assert not writable
 
 
 def test_stack_and_call_graph(robot: str, tmp_path: Path) -> None:
     """The size of every stack frame is known at compile time and small, and no function calls itself, however indirectly."""
     program("gcc")
-    compile_object("gcc", robot, tmp_path, "-std=c99", "-O2", "-fno-inline", "-fstack-usage", "-fcallgraph-info")
+    flags = ("-std=c99", "-O2", "-fno-inline", "-fstack-usage", "-fcallgraph-info")
+    compile_object("gcc", robot, tmp_path, *flags)
     frames = [line.split("\t") for line in (tmp_path / f"{robot}.su").read_text().splitlines()]
-    assert {kind for _, _, kind in frames} == {"static"}
-    assert max(int(size) for _, size, _ in frames) <= 8192
+    # "dynamic,bounded": gcc aligns or pushes within a bound that the size includes; "dynamic" would be a VLA or alloca
+    assert {kind for _, _, kind in frames} <= {"static", "dynamic,bounded"}
+    assert max(int(size) for _, size, _ in frames) <= LARGEST_FRAME
     graph: dict[str, set[str]] = {}
-    edges = re.findall(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"', (tmp_path / f"{robot}.ci").read_text())
+    text = (tmp_path / f"{robot}.ci").read_text()
+    edges = re.findall(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"', text)
     for caller, callee in edges:
         graph.setdefault(caller, set()).add(callee)
     assert not any("indirect" in callee for callees in graph.values() for callee in callees)
@@ -140,7 +150,7 @@ def test_cycles_are_found() -> None:
 def test_loops_are_bounded(path: Path) -> None:
     """Loops count to a constant, or to a count that the caller gives; there is no while, goto, setjmp or function pointer."""
     code = re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL)
-    assert not re.search(r"\b(while|goto|setjmp|longjmp|alloca|malloc|calloc|realloc|free|pow|volatile|extern(?! \"C\"))\b", code)
+    assert not FORBIDDEN.search(code)
     loops = re.findall(r"\bfor \(.*?\)(?=\s*\{)", code)
     assert len(loops) == len(re.findall(r"\bfor\b", code))
     assert [loop for loop in loops if not LOOP.fullmatch(loop)] == []

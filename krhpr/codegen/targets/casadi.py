@@ -41,6 +41,7 @@ class CasadiTarget:
 
 def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts)
+    read = function.read(robot.parts, guards=False)
     read_later = {
         call.variable_in(port.name)
         for call in function.stage(Stage.PLATFORM)
@@ -59,13 +60,14 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         "inputs": function.inputs,
         "outputs": function.outputs,
         "collected": collected,
-        "shared_calls": [_call(robot, call, known) for call in function.stage(Stage.SHARED)],
-        "leg_calls": [_call(robot, call, known) for call in function.stage(Stage.LEG)],
-        "platform_calls": [_call(robot, call, known) for call in function.stage(Stage.PLATFORM)],
+        "uses_geometry": function.uses_geometry(robot.parts),
+        "shared_calls": [_call(robot, call, known, read) for call in function.stage(Stage.SHARED)],
+        "leg_calls": [_call(robot, call, known, read) for call in function.stage(Stage.LEG)],
+        "platform_calls": [_call(robot, call, known, read) for call in function.stage(Stage.PLATFORM)],
     }
 
 
-def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable]) -> str:
+def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
     leg = call.stage is Stage.LEG
     arguments = [f"{call.part}.prepare(fields)"] if kernel.geometry is not None else []
@@ -76,5 +78,6 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable]) -> str:
         else:
             arguments.append(f"{variable.name}_i" if leg and variable.per_leg else variable.name)
     suffix = "_i" if leg else ""
-    names = [call.variable_out(port.name) + suffix for port in kernel.outputs]
+    names = [call.variable_out(port.name) for port in kernel.outputs]
+    names = [f"{name}{suffix}" if name in read else f"_{name}" for name in names]
     return f"{', '.join(names)} = {call.part}.{kernel.name}({', '.join(arguments)})"

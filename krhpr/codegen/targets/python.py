@@ -102,6 +102,7 @@ def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
 
 def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
+    read = function.read(robot.parts, guards=True)
     optional = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]"}
     present = [port.name for port in function.inputs if port.name in optional]
     return {
@@ -125,7 +126,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
             for port in function.inputs
         ],
         "output_docs": [python_port(port) for port in function.outputs],
-        "calls": [_call(robot, call, known) for call in function.calls],
+        "calls": [_call(robot, call, known, read) for call in function.calls],
         "guards": [_guard(guard, known) for guard in function.guards],
     }
 
@@ -141,12 +142,13 @@ def python_port(port: Port) -> str:
     return f"{name} ({shape}){unit}{frame}: {tail}"
 
 
-def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable]) -> str:
+def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
     arguments = [f"g.{call.part}"] if kernel.geometry is not None else []
     for port in kernel.inputs:
         arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
     names = [call.variable_out(port.name) for port in kernel.outputs]
+    names = [name if name in read else f"_{name}" for name in names]
     return f"{', '.join(names)} = {call.part}.{kernel.name}({', '.join(arguments)})"
 
 
