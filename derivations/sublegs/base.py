@@ -374,7 +374,7 @@ class SubLeg(ABC):
         )
         equations = self.velocity(k, self._at(k))
         right = k.let("w", equations.B * k.add_input(ports.theta_dot), "B theta_dot")
-        local = k.let("v", solve_structured(equations.A, right), "velocity in the leg's frame")
+        local = k.let("v_l", solve_structured(equations.A, right), "velocity in the leg's frame")
         k.add_output(ports.s_dot, equations.F * local)
         self._regularity(k, equations.parallel)
         return self._end(k)
@@ -416,7 +416,7 @@ class SubLeg(ABC):
             geometry,
         )
         equations = self.velocity(k, self._at(k))
-        local = k.let("v", equations.F.T * k.add_input(ports.s_dot), "velocity in the leg's frame")
+        local = k.let("v_l", equations.F.T * k.add_input(ports.s_dot), "velocity in the leg's frame")
         right = k.let("w", equations.A * local, "A s_dot")
         k.add_output(ports.theta_dot, solve_structured(equations.B, right))
         self._regularity(k, equations.serial)

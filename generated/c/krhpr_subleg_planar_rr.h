@@ -22,7 +22,7 @@ typedef struct {
 } krhpr_subleg_planar_rr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 1 divide, 1 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
 static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g)
 {
@@ -36,7 +36,7 @@ static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometr
     g->k[2] = g->l_1 * g->l_1;
     g->k[3] = g->l_2 * g->l_2;
     g->k[4] = fabs(t3);
-    g->k[5] = g->l_1 * g->l_2;
+    g->k[5] = 1.0 / (g->l_1 * g->l_2);
     g->k[6] = 1.0 / g->l_2;
 }
 
@@ -215,23 +215,22 @@ static inline void krhpr_subleg_planar_rr_bias(const krhpr_subleg_planar_rr_geom
 }
 
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
- * serves accelerations too.  Thesis: (1.9).  (3 add, 8 multiply, 2 divide, 1 select) */
+ * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rr_rates(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double det = d[0] * u_2[1] - d[1] * u_2[0]; /* l_1 l_2 sin(theta_2) */
     const double t1 = 1.0 / det;
     theta_dot[0] = (u_2[0] * s_dot[0] + u_2[1] * s_dot[1]) * t1;
     theta_dot[1] = -t1 * (d[0] * s_dot[0] + d[1] * s_dot[1]);
-    *regularity = fabs(det / g->k[5]);
+    *regularity = fabs(det * g->k[5]);
 }
 
-/* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 2 multiply, 1
- * divide) */
+/* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
 static inline void krhpr_subleg_planar_rr_determinant(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double det = d[0] * u_2[1] - d[1] * u_2[0];
     *det_M = det;
-    factors[0] = det / g->k[5];
+    factors[0] = det * g->k[5];
 }
 
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */

@@ -31,7 +31,7 @@ typedef struct {
 } krhpr_subleg_r_fivebar_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (11 add, 24 multiply, 3 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (11 add, 24 multiply, 7 divide, 2 sine
  * cosine, 2 select) */
 static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g)
 {
@@ -42,9 +42,9 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
     const double k_7 = 1.0 - g->l_5 / g->l_6;
     const double t4 = g->l_6 - g->l_5;
     const double t5 = g->l_4 - g->l_6;
-    const double k_15 = g->l_4 + g->l_6;
-    const double t6 = g->l_2 - g->l_3;
-    const double t7 = g->l_2 + g->l_3;
+    const double t6 = g->l_4 + g->l_6;
+    const double t7 = g->l_2 - g->l_3;
+    const double t8 = g->l_2 + g->l_3;
     const double k_18 = 1.0 / g->l_6;
     g->c[0] = g->R_b * e_r_0 - g->l_1 * t2;
     g->c[1] = g->R_b * e_r_1 - g->l_1 * t3;
@@ -62,20 +62,20 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
     g->k[1] = t4 * t4;
     g->k[2] = 1.0 / k_7;
     g->k[3] = t5 * t5;
-    g->k[4] = k_15 * k_15;
+    g->k[4] = t6 * t6;
     g->k[5] = g->l_4 * g->l_4;
     g->k[6] = g->l_6 * g->l_6;
     g->k[7] = k_7;
-    g->k[8] = t6 * t6;
-    g->k[9] = t7 * t7;
+    g->k[8] = t7 * t7;
+    g->k[9] = t8 * t8;
     g->k[10] = g->l_2 * g->l_2;
-    g->k[11] = fabs(t6);
+    g->k[11] = fabs(t7);
     g->k[12] = fabs(t5);
     g->k[13] = 1.0 - k_7;
-    g->k[14] = g->l_3 * g->l_6;
-    g->k[15] = k_15;
-    g->k[16] = g->l_4 * g->l_6;
-    g->k[17] = g->l_2 * g->l_3;
+    g->k[14] = 1.0 / (g->l_3 * g->l_6);
+    g->k[15] = 1.0 / t6;
+    g->k[16] = 1.0 / (g->l_4 * g->l_6);
+    g->k[17] = 1.0 / (g->l_2 * g->l_3);
     g->k[18] = k_18;
     g->k[19] = 1.0 - g->l_5 * k_18;
 }
@@ -384,8 +384,8 @@ static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_g
     u_2[1] = g->l_2 * sine[2];
 }
 
-/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 39
- * multiply, 2 divide, 1 select) */
+/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
+ * multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_r_fivebar_jacobian(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
@@ -415,11 +415,11 @@ static inline void krhpr_subleg_r_fivebar_jacobian(const krhpr_subleg_r_fivebar_
     M[6] = -e_2[2] * d[0];
     M[7] = g->e_1[2] * m_11 + x[2] * m_01;
     M[8] = g->e_1[2] * m_12 + x[2] * m_02;
-    *regularity = fabs(delta / g->k[14]);
+    *regularity = fabs(delta * g->k[14]);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (30 add, 52 multiply, 2 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_r_fivebar_project(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
@@ -452,10 +452,10 @@ static inline void krhpr_subleg_r_fivebar_project(const krhpr_subleg_r_fivebar_g
     K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = fabs(delta / g->k[14]);
+    *regularity = fabs(delta * g->k[14]);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 34 multiply, 2
+/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_r_fivebar_velocity(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -473,12 +473,12 @@ static inline void krhpr_subleg_r_fivebar_velocity(const krhpr_subleg_r_fivebar_
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_0 = (w_1 * (g->k[7] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
-    const double v_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[7] * v_2_0));
-    s_dot[0] = g->e_1[0] * v_1 - e_2[0] * t3 + x[0] * v_0;
-    s_dot[1] = g->e_1[1] * v_1 - e_2[1] * t3 + x[1] * v_0;
-    s_dot[2] = g->e_1[2] * v_1 - e_2[2] * t3 + x[2] * v_0;
-    *regularity = fabs(delta / g->k[14]);
+    const double v_l_0 = (w_1 * (g->k[7] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
+    const double v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[7] * v_2_0));
+    s_dot[0] = g->e_1[0] * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
+    s_dot[1] = g->e_1[1] * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
+    s_dot[2] = g->e_1[2] * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
+    *regularity = fabs(delta * g->k[14]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -565,7 +565,7 @@ static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geom
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (18 add, 27 multiply, 6 divide, 5 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_r_fivebar_rates(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
@@ -575,21 +575,21 @@ static inline void krhpr_subleg_r_fivebar_rates(const krhpr_subleg_r_fivebar_geo
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double v_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
-    const double v_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
-    const double w_1 = v_1_0 * v_0 + v_1_1 * v_1; /* A s_dot */
-    const double w_2 = v_2_0 * (g->k[7] * v_0) + v_2_1 * (g->k[7] * v_1);
+    const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
+    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
+    const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
+    const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
+    const double w_2 = v_l_0 * (g->k[7] * v_2_0) + v_l_1 * (g->k[7] * v_2_1);
     const double t1 = 1.0 / b_22;
-    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] / g->k[15]), fabs(b_22 / g->k[16])), fabs(b_33 / g->k[17]));
-    theta_dot[0] = -v_2 / d[0];
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[15]), fabs(b_22 * g->k[16])), fabs(b_33 * g->k[17]));
+    theta_dot[0] = -v_l_2 / d[0];
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
     *regularity = regularity_a;
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
- * 1.4.  (10 add, 11 multiply, 5 divide) */
+ * 1.4.  (10 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
@@ -602,10 +602,10 @@ static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fiveb
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[7] * delta);
-    factors[0] = d[0] / g->k[15];
-    factors[1] = b_22 / g->k[16];
-    factors[2] = b_33 / g->k[17];
-    factors[3] = delta / g->k[14];
+    factors[0] = d[0] * g->k[15];
+    factors[1] = b_22 * g->k[16];
+    factors[2] = b_33 * g->k[17];
+    factors[3] = delta * g->k[14];
 }
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */

@@ -28,7 +28,7 @@ typedef struct {
 } krhpr_subleg_rrr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 16 multiply, 1 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 16 multiply, 3 divide, 2 sine
  * cosine, 1 select) */
 static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
 {
@@ -37,7 +37,7 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     const double t2 = e_r_0 * t1;
     const double t3 = e_r_1 * t1;
     const double t4 = g->l_2 - g->l_3;
-    const double k_5 = g->l_2 + g->l_3;
+    const double t5 = g->l_2 + g->l_3;
     g->c[0] = g->R_b * e_r_0 - g->l_1 * t2;
     g->c[1] = g->R_b * e_r_1 - g->l_1 * t3;
     g->c[2] = g->l_1 * e_1_2;
@@ -51,12 +51,12 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     g->e_t[1] = e_r_0;
     g->e_t[2] = 0.0;
     g->k[0] = t4 * t4;
-    g->k[1] = k_5 * k_5;
+    g->k[1] = t5 * t5;
     g->k[2] = g->l_2 * g->l_2;
     g->k[3] = g->l_3 * g->l_3;
     g->k[4] = fabs(t4);
-    g->k[5] = k_5;
-    g->k[6] = g->l_2 * g->l_3;
+    g->k[5] = 1.0 / t5;
+    g->k[6] = 1.0 / (g->l_2 * g->l_3);
     g->k[7] = 1.0 / g->l_3;
 }
 
@@ -325,28 +325,28 @@ static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, con
 }
 
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
- * serves accelerations too.  Thesis: (1.9).  (9 add, 17 multiply, 4 divide, 3 select) */
+ * serves accelerations too.  Thesis: (1.9).  (9 add, 19 multiply, 2 divide, 3 select) */
 static inline void krhpr_subleg_rrr_rates(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* u_1 x v_1 = l_2 l_3 sin(theta_3) */
-    const double v_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
-    const double v_1_a = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
+    const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
+    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
+    const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const double t1 = 1.0 / elbow;
-    theta_dot[0] = -v_2 / d[0];
-    theta_dot[1] = (v_1[0] * v_0 + v_1[1] * v_1_a) * t1;
-    theta_dot[2] = -t1 * (d[0] * v_0 + d[1] * v_1_a);
-    *regularity = krhpr_min(fabs(d[0] / g->k[5]), fabs(elbow / g->k[6]));
+    theta_dot[0] = -v_l_2 / d[0];
+    theta_dot[1] = (v_1[0] * v_l_0 + v_1[1] * v_l_1) * t1;
+    theta_dot[2] = -t1 * (d[0] * v_l_0 + d[1] * v_l_1);
+    *regularity = krhpr_min(fabs(d[0] * g->k[5]), fabs(elbow * g->k[6]));
 }
 
-/* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1 add, 3
- * multiply, 2 divide) */
+/* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1 add, 5
+ * multiply) */
 static inline void krhpr_subleg_rrr_determinant(const krhpr_subleg_rrr_geometry *g, const double d[2], const double v_1[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0];
     *det_M = -d[0] * elbow;
-    factors[0] = d[0] / g->k[5];
-    factors[1] = elbow / g->k[6];
+    factors[0] = d[0] * g->k[5];
+    factors[1] = elbow * g->k[6];
 }
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */

@@ -31,7 +31,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_1=fields["l_1"],
         l_2=fields["l_2"],
         o=(R_b * ca.cos(azimuth), R_b * ca.sin(azimuth),),
-        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, ca.fabs(t1), l_1 * l_2, 1 / l_2,),
+        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, ca.fabs(t1), 1 / (l_1 * l_2), 1 / l_2,),
     )
 
 
@@ -150,7 +150,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     """Posture of the RR sub-leg: the vectors that its velocity equations are made of.  Thesis: 2.2.1,
     2.5.  (4 add, 2 multiply, 1 sine cosine)"""
     s_0, s_1 = s
-    theta_0, theta_1 = theta
+    theta_0, _theta_1 = theta
     d_0 = s_0 - g.o[0]
     d_1 = s_1 - g.o[1]
     return (
@@ -209,7 +209,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14
     multiply, 1 sine cosine)"""
     s_0, s_1 = s
-    theta_0, theta_1 = theta
+    theta_0, _theta_1 = theta
     theta_dot_0, theta_dot_1 = theta_dot
     d_0 = s_0 - g.o[0]  # r - o
     d_1 = s_1 - g.o[1]
@@ -234,7 +234,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, d: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (3 add, 8 multiply, 2 divide, 1 select)"""
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_2_0, u_2_1 = u_2
     s_dot_0, s_dot_1 = s_dot
@@ -246,14 +246,14 @@ def rates(g: Any, d: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
             -t1 * (d_0 * s_dot_0 + d_1 * s_dot_1),
         ),
         (  # regularity
-            ca.fabs(det / g.k[5]),
+            ca.fabs(det * g.k[5]),
         ),
     )
 
 
 def determinant(g: Any, d: Any, u_2: Any) -> tuple[Any, ...]:
-    """det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 2
-    multiply, 1 divide)"""
+    """det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3
+    multiply)"""
     d_0, d_1 = d
     u_2_0, u_2_1 = u_2
     det = d_0 * u_2_1 - d_1 * u_2_0
@@ -262,7 +262,7 @@ def determinant(g: Any, d: Any, u_2: Any) -> tuple[Any, ...]:
             det,
         ),
         (  # factors
-            det / g.k[5],
+            det * g.k[5],
         ),
     )
 

@@ -38,9 +38,9 @@ def prepare(fields: Any) -> SimpleNamespace:
     k_7 = 1 - l_5 / l_6
     t4 = l_6 - l_5
     t5 = l_4 - l_6
-    k_15 = l_4 + l_6
-    t6 = l_2 - l_3
-    t7 = l_2 + l_3
+    t6 = l_4 + l_6
+    t7 = l_2 - l_3
+    t8 = l_2 + l_3
     k_18 = 1 / l_6
     return SimpleNamespace(
         azimuth=fields["azimuth"],
@@ -56,7 +56,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_r_0, 0,),
-        k=(l_3 * l_3, t4 * t4, 1 / k_7, t5 * t5, k_15 * k_15, l_4 * l_4, l_6 * l_6, k_7, t6 * t6, t7 * t7, l_2 * l_2, ca.fabs(t6), ca.fabs(t5), 1 - k_7, l_3 * l_6, k_15, l_4 * l_6, l_2 * l_3, k_18, 1 - l_5 * k_18,),
+        k=(l_3 * l_3, t4 * t4, 1 / k_7, t5 * t5, t6 * t6, l_4 * l_4, l_6 * l_6, k_7, t7 * t7, t8 * t8, l_2 * l_2, ca.fabs(t7), ca.fabs(t5), 1 - k_7, 1 / (l_3 * l_6), 1 / t6, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_18, 1 - l_5 * k_18,),
     )
 
 
@@ -333,7 +333,7 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27
     multiply, 1 divide, 4 square root, 3 select)"""
     s_0, s_1, s_2 = s
-    mode_0, mode_1, mode_2 = mode
+    mode_0, mode_1, _mode_2 = mode
     d_0 = s_0 - g.c[0]  # s - c
     d_1 = s_1 - g.c[1]
     d_2 = s_2 - g.c[2]
@@ -401,7 +401,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add,
-    39 multiply, 2 divide, 1 select)"""
+    40 multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -438,14 +438,14 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
             g.e_1[2] * m_12 + x_2 * m_02,
         ),
         (  # regularity
-            ca.fabs(delta / g.k[14]),
+            ca.fabs(delta * g.k[14]),
         ),
     )
 
 
 def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (30 add, 52 multiply, 2 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -486,14 +486,14 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
             m_02 * n_10 + m_12 * n_11,
         ),
         (  # regularity
-            ca.fabs(delta / g.k[14]),
+            ca.fabs(delta * g.k[14]),
         ),
     )
 
 
 def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 34
-    multiply, 2 divide, 1 select)"""
+    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35
+    multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -514,16 +514,16 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
     t4 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_0 = (w_1 * (g.k[7] * v_2_1) - v_1_1 * w_2) * t4  # velocity in the leg's frame
-    v_1 = t4 * (v_1_0 * w_2 - w_1 * (g.k[7] * v_2_0))
+    v_l_0 = (w_1 * (g.k[7] * v_2_1) - v_1_1 * w_2) * t4  # velocity in the leg's frame
+    v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g.k[7] * v_2_0))
     return (
         (  # s_dot
-            g.e_1[0] * v_1 - e_2_0 * t3 + x_0 * v_0,
-            g.e_1[1] * v_1 - e_2_1 * t3 + x_1 * v_0,
-            g.e_1[2] * v_1 - e_2_2 * t3 + x_2 * v_0,
+            g.e_1[0] * v_l_1 - e_2_0 * t3 + x_0 * v_l_0,
+            g.e_1[1] * v_l_1 - e_2_1 * t3 + x_1 * v_l_0,
+            g.e_1[2] * v_l_1 - e_2_2 * t3 + x_2 * v_l_0,
         ),
         (  # regularity
-            ca.fabs(delta / g.k[14]),
+            ca.fabs(delta * g.k[14]),
         ),
     )
 
@@ -620,7 +620,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (18 add, 27 multiply, 6 divide, 5
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5
     select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -635,16 +635,16 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
     b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    v_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
-    v_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
-    v_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
-    w_1 = v_1_0 * v_0 + v_1_1 * v_1  # A s_dot
-    w_2 = v_2_0 * (g.k[7] * v_0) + v_2_1 * (g.k[7] * v_1)
+    v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
+    v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
+    v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
+    w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
+    w_2 = v_l_0 * (g.k[7] * v_2_0) + v_l_1 * (g.k[7] * v_2_1)
     t1 = 1 / b_22
-    regularity_a = ca.fmin(ca.fmin(ca.fabs(d_0 / g.k[15]), ca.fabs(b_22 / g.k[16])), ca.fabs(b_33 / g.k[17]))
+    regularity_a = ca.fmin(ca.fmin(ca.fabs(d_0 * g.k[15]), ca.fabs(b_22 * g.k[16])), ca.fabs(b_33 * g.k[17]))
     return (
         (  # theta_dot
-            -v_2 / d_0,
+            -v_l_2 / d_0,
             w_1 * t1,
             (w_2 - t1 * (b_32 * w_1)) / b_33,
         ),
@@ -656,7 +656,7 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.
-    Thesis: 1.4.  (10 add, 11 multiply, 5 divide)"""
+    Thesis: 1.4.  (10 add, 15 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -674,10 +674,10 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
             d_0 * (b_33 * (t2 - t1)) / (g.k[7] * delta),
         ),
         (  # factors
-            d_0 / g.k[15],
-            b_22 / g.k[16],
-            b_33 / g.k[17],
-            delta / g.k[14],
+            d_0 * g.k[15],
+            b_22 * g.k[16],
+            b_33 * g.k[17],
+            delta * g.k[14],
         ),
     )
 

@@ -33,7 +33,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     t2 = e_r_0 * t1
     t3 = e_r_1 * t1
     t4 = l_2 - l_3
-    k_5 = l_2 + l_3
+    t5 = l_2 + l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -45,7 +45,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_r_0, 0,),
-        k=(t4 * t4, k_5 * k_5, l_2 * l_2, l_3 * l_3, ca.fabs(t4), k_5, l_2 * l_3, 1 / l_3,),
+        k=(t4 * t4, t5 * t5, l_2 * l_2, l_3 * l_3, ca.fabs(t4), 1 / t5, 1 / (l_2 * l_3), 1 / l_3,),
     )
 
 
@@ -213,7 +213,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
     """Posture of the RRR sub-leg: the vectors that its velocity equations are made of.  Thesis: 1.5,
     2.5.  (13 add, 18 multiply, 2 sine cosine)"""
     s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+    theta_0, theta_1, _theta_2 = theta
     cos_1 = ca.cos(theta_0)
     sin_1 = ca.sin(theta_0)
     x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
@@ -312,7 +312,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81
     multiply, 2 sine cosine)"""
     s_0, s_1, s_2 = s
-    theta_0, theta_1, theta_2 = theta
+    theta_0, theta_1, _theta_2 = theta
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
     cos_1 = ca.cos(theta_0)
     sin_1 = ca.sin(theta_0)
@@ -364,7 +364,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (9 add, 17 multiply, 4 divide, 3
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (9 add, 19 multiply, 2 divide, 3
     select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -372,25 +372,25 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, s_dot: Any) -> tuple[Any, 
     v_1_0, v_1_1 = v_1
     s_dot_0, s_dot_1, s_dot_2 = s_dot
     elbow = d_0 * v_1_1 - d_1 * v_1_0  # u_1 x v_1 = l_2 l_3 sin(theta_3)
-    v_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
-    v_1_a = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
-    v_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
+    v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
+    v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
+    v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
     t1 = 1 / elbow
     return (
         (  # theta_dot
-            -v_2 / d_0,
-            (v_1_0 * v_0 + v_1_1 * v_1_a) * t1,
-            -t1 * (d_0 * v_0 + d_1 * v_1_a),
+            -v_l_2 / d_0,
+            (v_1_0 * v_l_0 + v_1_1 * v_l_1) * t1,
+            -t1 * (d_0 * v_l_0 + d_1 * v_l_1),
         ),
         (  # regularity
-            ca.fmin(ca.fabs(d_0 / g.k[5]), ca.fabs(elbow / g.k[6])),
+            ca.fmin(ca.fabs(d_0 * g.k[5]), ca.fabs(elbow * g.k[6])),
         ),
     )
 
 
 def determinant(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
     """det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1
-    add, 3 multiply, 2 divide)"""
+    add, 5 multiply)"""
     d_0, d_1 = d
     v_1_0, v_1_1 = v_1
     elbow = d_0 * v_1_1 - d_1 * v_1_0
@@ -399,8 +399,8 @@ def determinant(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
             -d_0 * elbow,
         ),
         (  # factors
-            d_0 / g.k[5],
-            elbow / g.k[6],
+            d_0 * g.k[5],
+            elbow * g.k[6],
         ),
     )
 

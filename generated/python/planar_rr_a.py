@@ -25,7 +25,29 @@ from . import runtime as rt
 from . import subleg_planar_rr as subleg
 from .runtime import Geometry, Status
 
-__all__ = ["DEFAULT_GEOMETRY", "Geometry", "Status", "end_points", "redundant_coordinates", "subleg_forward", "subleg_inverse", "subleg_jacobian", "constraints", "jacobians", "jacobian_blocks", "inverse", "inverse_all", "inverse_near", "inverse_status", "twist", "joint_rates", "platform_acceleration", "joint_accelerations", "passive_joints", "singularity"]
+__all__ = [
+    "DEFAULT_GEOMETRY",
+    "Geometry",
+    "Status",
+    "constraints",
+    "end_points",
+    "inverse",
+    "inverse_all",
+    "inverse_near",
+    "inverse_status",
+    "jacobian_blocks",
+    "jacobians",
+    "joint_accelerations",
+    "joint_rates",
+    "passive_joints",
+    "platform_acceleration",
+    "redundant_coordinates",
+    "singularity",
+    "subleg_forward",
+    "subleg_inverse",
+    "subleg_jacobian",
+    "twist",
+]
 
 IDENTIFIER = "planar_rr_a"
 NOTATION = "3-RRRR"

@@ -38,7 +38,7 @@ def end_point(g: Any, p: Any, Q: Any, redundant: Any) -> tuple[Any, ...]:
     """End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply, 1 sine
     cosine)"""
     p_0, p_1, p_2 = p
-    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     redundant, = redundant
     l_c = g.l_r * np.cos(redundant)
     l_s = g.l_r * np.sin(redundant)
@@ -55,7 +55,7 @@ def redundant(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     """Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise
     from +z'.  (15 add, 16 multiply, 1 arctangent)"""
     p_0, p_1, p_2 = p
-    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     s_0, s_1, s_2 = s
     Qb_0 = g.b[0] * Q_00 + g.b[1] * Q_01  # Q b_i
     Qb_1 = g.b[0] * Q_10 + g.b[1] * Q_11
@@ -399,7 +399,7 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     """Factors of det J and margins.  Singular where the three redundant links' lines meet in a point
     or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l
     < 3 R_p / 4, (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 20 multiply, 2 divide)"""
-    line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
+    line_00, line_01, _line_02, _line_03, _line_04, line_05, line_10, line_11, _line_12, _line_13, _line_14, line_15, line_20, line_21, _line_22, _line_23, _line_24, line_25 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
     scale_00, scale_01, scale_10, scale_11, scale_20, scale_21 = scale
     t1 = line_00 * (line_11 * line_25 - line_15 * line_21) + line_01 * (line_15 * line_20 - line_10 * line_25)

@@ -29,7 +29,7 @@ def prepare(fields: Any) -> SimpleNamespace:
 def end_point(g: Any, p: Any, Q: Any, redundant: Any) -> tuple[Any, ...]:
     """End point of the sub-leg, arrangement (c).  Thesis: (1.37), 2.5.  (6 add, 9 multiply)"""
     p_0, p_1, p_2 = p
-    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     redundant, = redundant
     Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01
     Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
@@ -44,7 +44,7 @@ def end_point(g: Any, p: Any, Q: Any, redundant: Any) -> tuple[Any, ...]:
 def redundant(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     """Redundant coordinate: slide d_i of S_i along t_i = e_r, from O', signed.  (8 add, 9 multiply)"""
     p_0, p_1, p_2 = p
-    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     s_0, s_1, s_2 = s
     Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01
     Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
@@ -159,7 +159,7 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
     """Velocity of the end point from the platform's twist and the redundant coordinate's rate.
     Thesis: (1.37) differentiated.  (15 add, 15 multiply)"""
     p_0, p_1, p_2 = p
-    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     s_0, s_1, s_2 = s
     twist_0, twist_1, twist_2, twist_3, twist_4, twist_5 = twist
     redundant_rate, = redundant_rate
@@ -182,7 +182,7 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
 def end_acceleration(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any, redundant_acceleration: Any) -> tuple[Any, ...]:
     """Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply)"""
     p_0, p_1, p_2 = p
-    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     s_0, s_1, s_2 = s
     twist_0, twist_1, twist_2, twist_3, twist_4, twist_5 = twist
     redundant_rate, = redundant_rate
@@ -345,7 +345,7 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     zero (the thesis says completely free, which holds only with this slide limit); det J_a =
     (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1).  Thesis: 1.4,
     2.3.2.  (10 add, 13 multiply)"""
-    line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
+    line_00, line_01, _line_02, _line_03, _line_04, line_05, line_10, line_11, _line_12, _line_13, _line_14, line_15, line_20, line_21, _line_22, _line_23, _line_24, line_25 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
     t1 = line_00 * (line_11 * line_25 - line_15 * line_21) + line_01 * (line_15 * line_20 - line_10 * line_25)
     det_a = t1 + line_05 * (line_10 * line_21 - line_11 * line_20)  # det J_a

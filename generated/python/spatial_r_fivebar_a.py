@@ -26,7 +26,30 @@ from . import runtime as rt
 from . import subleg_r_fivebar as subleg
 from .runtime import Geometry, Status
 
-__all__ = ["DEFAULT_GEOMETRY", "Geometry", "Status", "rotation_error", "end_points", "redundant_coordinates", "subleg_forward", "subleg_inverse", "subleg_jacobian", "constraints", "jacobians", "jacobian_blocks", "inverse", "inverse_all", "inverse_near", "inverse_status", "twist", "joint_rates", "platform_acceleration", "joint_accelerations", "passive_joints", "singularity"]
+__all__ = [
+    "DEFAULT_GEOMETRY",
+    "Geometry",
+    "Status",
+    "constraints",
+    "end_points",
+    "inverse",
+    "inverse_all",
+    "inverse_near",
+    "inverse_status",
+    "jacobian_blocks",
+    "jacobians",
+    "joint_accelerations",
+    "joint_rates",
+    "passive_joints",
+    "platform_acceleration",
+    "redundant_coordinates",
+    "rotation_error",
+    "singularity",
+    "subleg_forward",
+    "subleg_inverse",
+    "subleg_jacobian",
+    "twist",
+]
 
 IDENTIFIER = "spatial_r_fivebar_a"
 NOTATION = "3-[R(RR-RRR)SR]"

@@ -25,7 +25,30 @@ from . import runtime as rt
 from . import subleg_rrr as subleg
 from .runtime import Geometry, Status
 
-__all__ = ["DEFAULT_GEOMETRY", "Geometry", "Status", "rotation_error", "end_points", "redundant_coordinates", "subleg_forward", "subleg_inverse", "subleg_jacobian", "constraints", "jacobians", "jacobian_blocks", "inverse", "inverse_all", "inverse_near", "inverse_status", "twist", "joint_rates", "platform_acceleration", "joint_accelerations", "passive_joints", "singularity"]
+__all__ = [
+    "DEFAULT_GEOMETRY",
+    "Geometry",
+    "Status",
+    "constraints",
+    "end_points",
+    "inverse",
+    "inverse_all",
+    "inverse_near",
+    "inverse_status",
+    "jacobian_blocks",
+    "jacobians",
+    "joint_accelerations",
+    "joint_rates",
+    "passive_joints",
+    "platform_acceleration",
+    "redundant_coordinates",
+    "rotation_error",
+    "singularity",
+    "subleg_forward",
+    "subleg_inverse",
+    "subleg_jacobian",
+    "twist",
+]
 
 IDENTIFIER = "spatial_rrr_c"
 NOTATION = "3-RRRSP"

@@ -33,8 +33,8 @@ def run(options: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "compile",
-    "Compile robots' kernels ahead of their first use.  Libraries are kept in $KRHPR_CACHE, else in the user's "
-    "cache, for this compiler, its flags and this processor.",
+    "Compile robots' kernels ahead of their first use.  Libraries are kept in $KRHPR_CACHE, else in the "
+    "user's cache, for this compiler, its flags and this processor.",
     "examples:\n  krhpr compile\n  krhpr compile spatial_rrr_a planar_rr_a",
     add_arguments,
     run,

@@ -64,8 +64,8 @@ def run(options: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "eval",
-    "Evaluate a function of a robot.  Numbers come from a file or from standard input, results go to standard "
-    "output.",
+    "Evaluate a function of a robot.  Numbers come from a file or from standard input, results go to "
+    "standard output.",
     EPILOG,
     add_arguments,
     run,

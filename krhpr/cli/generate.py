@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import signal
 import sys
 from collections.abc import Iterator, Sequence
@@ -19,6 +20,7 @@ from krhpr.errors import UnknownRobot
 if TYPE_CHECKING:
     from krhpr.codegen.output import Change
     from krhpr.codegen.pipeline import Derived
+    from krhpr.codegen.stamp import Rows
     from krhpr.codegen.targets.base import File
     from krhpr.derivations.catalogue import Entry
 
@@ -46,6 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", metavar="DIR", type=Path, help="write a folder that stands alone: nothing in it needs krhpr"
     )
     parser.add_argument(
+        "--anew", action="store_true", help="derive again even where nothing changed since the last run"
+    )
+    parser.add_argument(
         "--no-compile", action="store_true", help="do not compile; kernels are compiled when first used"
     )
 
@@ -57,23 +62,51 @@ def run(options: argparse.Namespace) -> int:
             "robots share files, so generated/ is written for all of them at once: leave the names out, or "
             "add --out DIR to gather what these robots need into a folder of its own"
         )
-    from krhpr.codegen.pipeline import TARGETS
-
-    begin = perf_counter()
-    entries = _entries(options.robots)
     folder = generated_folder() if options.out is None else options.out.absolute()
     if not options.check:
         _refuse_read_only(folder, options.out is None)
-    compiles = not (options.check or options.no_compile or options.out)
-    with progress(len(entries) + len(TARGETS) + 1 + (len(entries) + 1) * compiles) as step:
+    if options.check or options.out is not None:
+        return _check_or_gather(options, folder)
+    return _generate_all(folder, anew=options.anew, compiles=not options.no_compile)
+
+
+def _check_or_gather(options: argparse.Namespace, folder: Path) -> int:
+    """Write nothing, or a folder that stands alone."""
+    begin = perf_counter()
+    entries = _entries(options.robots)
+    with progress(_steps(entries)) as step:
         derived, files = _derive_and_print(entries, options.out, step)
-        printed = perf_counter() - begin
-        if options.check:
-            return _report_check(files, folder, standalone=options.out is not None)
-        changes = _write(files, folder, standalone=options.out is not None)
-        note = _compile([robot.identifier for robot in derived.robots], step) if compiles else ""
-    _print_table(derived, files)
-    print(f"\n{len(files)} files in {folder}, {_changed(changes)}; {printed:.1f} s")
+    if options.check:
+        return _report_check(files, folder, standalone=options.out is not None)
+    changes = _write(files, folder, standalone=True)
+    _print_table(_rows(derived, files))
+    print(f"\n{len(files)} files in {folder}, {_changed(changes)}; {perf_counter() - begin:.1f} s")
+    if not folder.name.isidentifier():
+        print(f"Python can import the folder as a package under a name like {_identifier(folder.name)} only.")
+    return Exit.OK
+
+
+def _generate_all(folder: Path, *, anew: bool, compiles: bool) -> int:
+    """Write the folder of krhpr.generated and compile."""
+    from krhpr.codegen import stamp
+
+    begin = perf_counter()
+    rows = None if anew else stamp.recall(folder)
+    done = "nothing changed since it was generated"
+    if rows is None:
+        entries = _entries(())
+        inputs = stamp.inputs_digest(folder)
+        with progress(_steps(entries)) as step:
+            derived, files = _derive_and_print(entries, None, step)
+        changes = _write(files, folder, standalone=False)
+        rows = _rows(derived, files)
+        stamp.remember(folder, inputs, rows)
+        done = f"{len(files)} files, {_changed(changes)}"
+    done += f"; {perf_counter() - begin:.1f} s"
+    identifiers = [row["robot"] for row in rows]
+    note = _compile(identifiers) if compiles else ""
+    _print_table(rows)
+    print(f"\n{folder}: {done}")
     if note:
         print(note)
     return Exit.OK
@@ -94,6 +127,12 @@ def _entries(names: Sequence[str]) -> list[Entry]:
         if name not in known:
             raise UnknownRobot.among(name, list(known))
     return [entry for identifier, entry in known.items() if not names or identifier in names]
+
+
+def _steps(entries: Sequence[Entry]) -> int:
+    from krhpr.codegen.pipeline import TARGETS
+
+    return len(entries) + len(TARGETS) + 1
 
 
 def _derive_and_print(entries: Sequence[Entry], out: Path | None, step: Step) -> tuple[Derived, list[File]]:
@@ -183,6 +222,10 @@ def _one_interrupt() -> Iterator[None]:
             signal.signal(name, handler)
 
 
+def _identifier(name: str) -> str:
+    return re.sub(r"\W", "_", f"_{name}" if name[:1].isdigit() else name)
+
+
 def _changed(changes: Sequence[Change]) -> str:
     if not changes:
         return "none changed"
@@ -193,18 +236,19 @@ def _changed(changes: Sequence[Change]) -> str:
 # -- compiling -----------------------------------------------------------------------------------------------
 
 
-def _compile(identifiers: Sequence[str], step: Step) -> str:
+def _compile(identifiers: Sequence[str]) -> str:
     """Compile ahead of time; returns what there is to say of it."""
     from krhpr.cli.compiling import compile_all
     from krhpr.native import NoCompiler, cache_folder
 
     begin = perf_counter()
     try:
-        compile_all(identifiers, step)
+        with progress(len(identifiers) + 1) as step:
+            compile_all(identifiers, step)
     except NoCompiler as error:
         return (
-            f"Not compiled: {error}.\nRobots run on the pure NumPy modules: the same results, but a single call "
-            "takes tens of times longer, and large batches several times."
+            f"Not compiled: {error}.\nRobots run on the pure NumPy modules: the same results, but a single "
+            "call takes tens of times longer, and large batches several times."
         )
     return f"Compiled kernels in {cache_folder()}; {perf_counter() - begin:.1f} s"
 
@@ -212,30 +256,24 @@ def _compile(identifiers: Sequence[str], step: Step) -> str:
 # -- the table -----------------------------------------------------------------------------------------------
 
 
-def _print_table(derived: Derived, files: Sequence[File]) -> None:
+def _rows(derived: Derived, files: Sequence[File]) -> Rows:
     from krhpr.codegen.report import summary
 
+    rows = summary(derived.robots, files)
+    return [{**row, "seconds": derived.seconds[str(row["robot"])]} for row in rows]
+
+
+def _print_table(rows: Rows) -> None:
     sys.stderr.flush()
-    columns = (
-        Column("robot"),
-        Column("functions", numeric=True),
-        Column("operations as written", numeric=True),
-        Column("after optimisation", numeric=True),
-        Column("lines", numeric=True),
-        Column("seconds", numeric=True),
-    )
-    rows = [
-        (
-            row["robot"],
-            row["functions"],
-            row["written"],
-            row["operations"],
-            row["lines"],
-            derived.seconds[str(row["robot"])],
-        )
-        for row in summary(derived.robots, files)
-    ]
-    print_table(columns, rows)
+    columns = {
+        "robot": Column("robot"),
+        "functions": Column("functions", numeric=True),
+        "written": Column("operations as written", numeric=True),
+        "operations": Column("after optimisation", numeric=True),
+        "lines": Column("lines", numeric=True),
+        "seconds": Column("seconds", numeric=True),
+    }
+    print_table(list(columns.values()), [[row[name] for name in columns] for row in rows])
 
 
 COMMAND = Command(

@@ -63,7 +63,7 @@ class Given:
 
 
 def read_source(path: str, wanted: str | None) -> Source:
-    """The text of a file (`-`: standard input); its format, unless wanted, by its ending or first character."""
+    """The text of a file (`-`: standard input); its format, unless wanted, by ending or first character."""
     name = "standard input" if path == "-" else path
     try:
         data = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()

@@ -52,12 +52,19 @@ def optimise(name: str, doc: str, geometry: GeometryType | None, kernels: Sequen
 
 
 def hoist_reciprocals(kernel: Kernel) -> Kernel:
-    """One division for each denominator: where several quotients share it, multiply by its reciprocal."""
+    """One division for each denominator: where several quotients share it, multiply by its reciprocal.
+
+    A denominator of the geometry alone becomes a reciprocal too, so that it can be computed ahead.
+    """
     needed = kernel.graph.needed(kernel.result_nodes)
+    constant = _depends_on_geometry_alone(kernel)
     uses = Counter(node.args[1] for index, node in kernel.graph if node.op is Op.DIV and needed[index])
 
     def rule(target: Graph, index: int, node: Node, place: Sequence[int]) -> int | None:
-        if node.op is not Op.DIV or uses[node.args[1]] < 2:
+        if node.op is not Op.DIV:
+            return None
+        above, below = node.args
+        if uses[below] < 2 and (constant[above] or not constant[below]):
             return None
         reciprocal = target.div(target.constant(1), place[node.args[1]])
         return target.mul(place[node.args[0]], reciprocal)

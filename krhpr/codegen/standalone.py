@@ -1,7 +1,7 @@
 """A folder that stands alone: some robots' code gathered for a project of one's own.
 
-The Python and CasADi modules are those of `generated/`; they import one another by relative names, so that the
-folder is a package wherever it lies.  In C each robot becomes one pair of files, with the shared headers in it.
+The Python and CasADi modules are those of `generated/`; they import one another by relative names, so that
+the folder is a package wherever it lies.  In C each robot becomes one pair of files, shared headers included.
 """
 
 from __future__ import annotations

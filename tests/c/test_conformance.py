@@ -15,14 +15,15 @@ LARGEST_FRAME = 8192
 
 SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
 
-# What a robot may ask of the system: functions of math.h (sincos is how gcc calls sin and cos of one angle, copysign is
-# one only without optimisation), and what compilers put in for loops that copy or clear.
+# What a robot may ask of the system: functions of math.h (sincos is how gcc calls sin and cos of one angle;
+# copysign is a call only without optimisation), and what compilers put in for loops that copy or clear.
 ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "copysign", "memset", "memcpy"}
 POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 
 # Loops count upwards to a constant, or to a count that the caller gives.
 LOOP = re.compile(
-    r"for \((?:int|ptrdiff_t) (\w+) = \w+; \1 < (?:\d+|KRHPR_LANES|n|\(ptrdiff_t\)count); (?:\+\+\1|\1 \+= KRHPR_LANES)\)"
+    r"for \((?:int|ptrdiff_t) (\w+) = \w+; \1 < (?:\d+|KRHPR_LANES|n|\(ptrdiff_t\)count); "
+    r"(?:\+\+\1|\1 \+= KRHPR_LANES)\)"
 )
 FORBIDDEN = re.compile(
     r"\b(while|goto|setjmp|longjmp|alloca|malloc|calloc|realloc|free|pow|volatile|extern(?! \"C\"))\b"
@@ -68,9 +69,8 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) 
     cpp = program(CPP[compiler])
     source = tmp_path / "main.cpp"
     prefix = f"krhpr_{robot}"
-    source.write_text(
-        f'#include "{prefix}.h"\nint main() {{ {prefix}_geometry g; return {prefix}_default_geometry(&g); }}\n'
-    )
+    body = f"{{ {prefix}_geometry g; return {prefix}_default_geometry(&g); }}"
+    source.write_text(f'#include "{prefix}.h"\nint main() {body}\n')
     library = compile_object(compiler, robot, tmp_path, "-O1")
     run([cpp, *CPP_CONFORMANCE, f"-I{SOURCES}", source, library, "-o", tmp_path / "main", "-lm"])
     run([tmp_path / "main"])
@@ -78,7 +78,7 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) 
 
 @pytest.mark.parametrize("flags", [("-O0",), ("-O2", "-std=c99"), SPEED], ids=["O0", "O2", "speed"])
 def test_symbols(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
-    """Undefined symbols are on a short list (no allocation, no pow, no input or output); all others carry the prefix."""
+    """Undefined symbols are on a short list (no allocation, no pow); all others are prefixed."""
     nm = program("nm")
     library = compile_object(compiler, robot, tmp_path, *flags, "-fPIC", "-fno-stack-protector")
     needed, offered = set(), set()
@@ -106,12 +106,12 @@ def test_no_writable_data(robot: str, compiler: str, tmp_path: Path) -> None:
 
 
 def test_stack_and_call_graph(robot: str, tmp_path: Path) -> None:
-    """The size of every stack frame is known at compile time and small, and no function calls itself, however indirectly."""
+    """Every stack frame is small, its size known at compile time; no function calls itself, even indirectly."""
     program("gcc")
     flags = ("-std=c99", "-O2", "-fno-inline", "-fstack-usage", "-fcallgraph-info")
     compile_object("gcc", robot, tmp_path, *flags)
     frames = [line.split("\t") for line in (tmp_path / f"{robot}.su").read_text().splitlines()]
-    # "dynamic,bounded": gcc aligns or pushes within a bound that the size includes; "dynamic" would be a VLA or alloca
+    # "dynamic,bounded": gcc aligns or pushes within a bound that the size includes; "dynamic" would be a VLA
     assert {kind for _, _, kind in frames} <= {"static", "dynamic,bounded"}
     assert max(int(size) for _, size, _ in frames) <= LARGEST_FRAME
     graph: dict[str, set[str]] = {}
@@ -148,7 +148,7 @@ def test_cycles_are_found() -> None:
 
 @pytest.mark.parametrize("path", sorted(SOURCES.glob("krhpr*.[ch]")), ids=lambda path: path.name)
 def test_loops_are_bounded(path: Path) -> None:
-    """Loops count to a constant, or to a count that the caller gives; there is no while, goto, setjmp or function pointer."""
+    """Loops count to a constant, or to a count that the caller gives; no while, no function pointer."""
     code = re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL)
     assert not FORBIDDEN.search(code)
     loops = re.findall(r"\bfor \(.*?\)(?=\s*\{)", code)

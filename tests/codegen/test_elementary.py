@@ -1,4 +1,4 @@
-"""Sine, cosine and arctangent of the generated C against correctly rounded values, in every way to compile."""
+"""Sine, cosine and arctangent of the generated C against correctly rounded values, compiled in many ways."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def compiler(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-# -- reference --------------------------------------------------------------------------------------------------------
+# -- reference -----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def digits() -> None:
 
 @pytest.fixture(scope="session")
 def angles(full: bool) -> np.ndarray:
-    """Angles of every size up to the bound: multiples of pi/4 and their neighbours, tiny ones, the edge itself."""
+    """Angles up to the bound: multiples of pi/4 and their neighbours, tiny ones, the edge itself."""
     rng = np.random.default_rng(1)
     count = 500_000 if full else 4_000
     half_pi = flint.arb.pi() / 2
@@ -168,7 +168,7 @@ def circle(angles: np.ndarray) -> tuple[Reference, Reference]:
 
 @pytest.fixture(scope="session")
 def points(full: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Points (y, x) in all octants: any angle, any ratio, near the octants' borders, on the axes, tiny and huge."""
+    """Points (y, x) in all octants: any angle, any ratio, near the octants' borders, tiny and huge."""
     rng = np.random.default_rng(2)
     count = 500_000 if full else 4_000
 
@@ -202,7 +202,7 @@ def directions(points: tuple[np.ndarray, np.ndarray]) -> Reference:
     )
 
 
-# -- bounds -----------------------------------------------------------------------------------------------------------
+# -- bounds --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -235,7 +235,7 @@ def test_arctangent_keeps_the_stated_bound(
     )
 
 
-# -- identities and special values ------------------------------------------------------------------------------------
+# -- identities and special values ---------------------------------------------------------------------------
 
 
 @pytest.fixture(params=["O2 strict", "speed"])
@@ -341,7 +341,7 @@ def test_fast_math_is_refused(compiler: str, flag: str) -> None:
 def test_a_worse_polynomial_is_seen(
     tmp_path: Path, angles: np.ndarray, circle: tuple[Reference, Reference]
 ) -> None:
-    """The bound bites: one coefficient changed in its 10th digit, or pi/2 without its third part, exceeds it."""
+    """The bound bites: a coefficient wrong in its 10th digit, or pi/2 without its third part, exceeds it."""
     if shutil.which("gcc") is None:
         pytest.skip("gcc is not installed")
     spoilt = {

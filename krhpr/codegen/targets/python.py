@@ -17,7 +17,7 @@ from krhpr.codegen.composition import (
     Variable,
     variables,
 )
-from krhpr.codegen.graph import Op
+from krhpr.codegen.graph import InputRef, Op
 from krhpr.codegen.kernel import Kernel, Port
 from krhpr.codegen.passes import Part
 from krhpr.codegen.printers.infix import Body, Line
@@ -46,6 +46,7 @@ class PythonTarget:
             "python/robot.py.j2",
             robot=robot,
             functions=functions,
+            exported=sorted(["DEFAULT_GEOMETRY", "Geometry", "Status", *(f["name"] for f in functions)]),
             default_mode=default_mode,
             default_assembly=default_assembly,
         )
@@ -81,13 +82,14 @@ def _lines(body: Body) -> list[tuple[str, str, str]]:
 
 def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
     body = print_kernel(kernel, functions)
-    used = {ref.port for ref in body.inputs_used}
     parameters = ["g: Any"] if kernel.geometry is not None else []
     unpack = []
     for port in kernel.inputs:
         parameters.append(f"{port.name}: Any")
-        if port.name in used:
+        used = [InputRef(port.name, index) in body.inputs_used for index in range(port.size)]
+        if any(used):
             names = [component(port.name, index, port.shape) for index in range(port.size)]
+            names = [name if read else f"_{name}" for name, read in zip(names, used, strict=True)]
             unpack.append((", ".join(names) + ("," if len(names) == 1 else ""), port.name))
     return {
         "name": kernel.name,
