@@ -6,7 +6,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Space
+from krhpr.derivations.terms import Space
 from krhpr.derivations.vectors import cross2, determinant3, dot
 
 

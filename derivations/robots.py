@@ -21,7 +21,8 @@ from krhpr.codegen.composition import (
 )
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
-from krhpr.derivations.sublegs.base import Space, SubLeg
+from krhpr.derivations.sublegs.base import SubLeg
+from krhpr.derivations.terms import Space
 
 
 @dataclass(frozen=True)

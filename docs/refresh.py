@@ -193,13 +193,21 @@ def robots() -> str:
                 f"`{entry.identifier}`",
                 entry.robot.notation,
                 entry.title,
-                f"{robot.subleg.n} x 3",
+                f"3 x {robot.subleg.n}",
+                ", ".join(f"{robot.platform.redundant_joint.name}_{leg}" for leg in (1, 2, 3)),
                 str(len(robot.subleg.modes)),
-                f"{robot.platform.redundant_joint.name}_1, _2, _3",
                 entry.thesis,
             )
         )
-    head = ("Robot", "Notation", "What", "Actuators", "Modes a leg", "Redundant coordinates", "Thesis")
+    head = (
+        "Robot",
+        "Notation",
+        "What",
+        "Actuators",
+        "Redundant coordinates",
+        "Working modes of a leg",
+        "Thesis",
+    )
     return _table(head, rows)
 
 

@@ -327,8 +327,7 @@ class Robot:
 
     def _answer(self, function: str, inputs: Sequence[Any], options: Options) -> Any:
         signature = self.signature(function)
-        arrays = [np.asarray(value, dtype=float) for value in inputs]
-        self._check_shapes(signature, arrays)
+        arrays = self._arrays(signature, inputs)
         if options.get("check_rotation", True):
             self._check_rotation(signature, arrays)
         out = options.get("out")
@@ -342,20 +341,24 @@ class Robot:
     def _tuple(self, function: str) -> Any:
         return getattr(self._module, "".join(word.capitalize() for word in function.split("_")))
 
-    def _check_shapes(self, signature: Signature, arrays: Sequence[Any]) -> None:
-        if len(arrays) != len(signature.inputs):
+    def _arrays(self, signature: Signature, inputs: Sequence[Any]) -> list[np.ndarray[Any, Any]]:
+        """The arguments as arrays, with shapes that fit."""
+        where = f"{self.identifier}.{signature.name}"
+        if len(inputs) != len(signature.inputs):
             names = ", ".join(port.name for port in signature.inputs)
-            raise TypeError(
-                f"{signature.name} takes {len(signature.inputs)} arrays ({names}), got {len(arrays)}"
-            )
-        batches = []
-        for port, array in zip(signature.inputs, arrays, strict=True):
+            raise TypeError(f"{where} takes {len(signature.inputs)} arrays ({names}), got {len(inputs)}")
+        arrays, batches = [], []
+        for port, value in zip(signature.inputs, inputs, strict=True):
+            try:
+                array = np.asarray(value, dtype=float)
+            except (TypeError, ValueError) as error:
+                raise type(error)(f"{where}: {port.name!r} is no array of numbers: {error}") from None
             core = len(port.shape)
             if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
                 raise ValueError(
-                    f"{self.identifier}.{signature.name}: {port.name!r} has shape {array.shape}, "
-                    f"expected {_shape_text(port)}: {port.doc}"
+                    f"{where}: {port.name!r} has shape {array.shape}, expected {_shape_text(port)}: {port.doc}"
                 )
+            arrays.append(array)
             batches.append(array.shape[: array.ndim - core])
         try:
             np.broadcast_shapes(*batches)
@@ -363,9 +366,8 @@ class Robot:
             given = ", ".join(
                 f"{port.name} {batch}" for port, batch in zip(signature.inputs, batches, strict=True)
             )
-            raise ValueError(
-                f"{self.identifier}.{signature.name}: batch dimensions do not broadcast: {given}"
-            ) from None
+            raise ValueError(f"{where}: batch dimensions do not broadcast: {given}") from None
+        return arrays
 
     def _check_rotation(self, signature: Signature, arrays: Sequence[Any]) -> None:
         for port, array in zip(signature.inputs, arrays, strict=True):
@@ -375,28 +377,30 @@ class Robot:
             # NaN passes here and gets the status INVALID_INPUT
             bad = error > ROTATION_TOLERANCE
             if bad.any():
-                index = np.unravel_index(np.argmax(bad), bad.shape)
+                index = _first(bad)
                 Q = array[index]
                 raise InvalidInput(
-                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: |Q^T Q - I| is "
-                    f"{np.abs(Q.T @ Q - np.eye(3)).max():.3g} (tolerance {ROTATION_TOLERANCE:g}), det Q is "
-                    f"{np.linalg.det(Q):.3g}; make it orthonormal, or pass check_rotation=False"
+                    f"{self.identifier}.{signature.name}: Q{_at(index)} is not a rotation matrix: "
+                    f"|Q^T Q - I| is {np.abs(Q.T @ Q - np.eye(3)).max():.3g} (tolerance "
+                    f"{ROTATION_TOLERANCE:g}), det Q is {np.linalg.det(Q):.3g}; make it orthonormal, or pass "
+                    "check_rotation=False",
+                    index,
                 )
 
     def _raise_first(self, signature: Signature, arrays: Sequence[Any], status: Any) -> None:
         if not np.any(status):
             return
-        index = tuple(int(i) for i in np.unravel_index(np.argmax(status != 0), np.shape(status)))
+        index = _first(status != 0)
         code = Status(int(status[index]))
         where = f"{self.identifier}.{signature.name}{_at(index)}"
         if code is Status.INVALID_INPUT:
             raise InvalidInput(f"{where}: an input is NaN or infinite", index)
         if code in (Status.UNREACHABLE_LEG_1, Status.UNREACHABLE_LEG_2, Status.UNREACHABLE_LEG_3):
             leg, distance = int(code), self._distance(signature, arrays, status, index, int(code))
+            by = "" if np.isnan(distance) else f"; it is {distance:.6g} out of reach"
             raise Unreachable(
-                f"{where}: leg {leg} cannot reach its end point; it is {distance:.6g} out of reach. "
-                "Change the pose, the "
-                "redundant coordinate of that leg, or the working mode",
+                f"{where}: leg {leg} cannot reach its end point{by}. Change the pose, the redundant coordinate "
+                "of that leg, or the working mode",
                 leg,
                 distance,
                 index,
@@ -511,6 +515,11 @@ _MEANING = {
 
 def _shape_text(port: Port) -> str:
     return "(" + ", ".join(["...", *map(str, port.shape)]) + ")"
+
+
+def _first(bad: np.ndarray[Any, Any]) -> tuple[int, ...]:
+    """The index of the first element that is true."""
+    return tuple(int(i) for i in np.unravel_index(np.argmax(bad), np.shape(bad)))
 
 
 def _at(index: Sequence[Any]) -> str:

@@ -21,7 +21,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryType, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Joint, Space
+from krhpr.derivations.terms import Joint, Space
 from krhpr.derivations.vectors import E, cross, determinant3, dot, solve3
 
 STACKED = Layout.STACKED

@@ -14,7 +14,7 @@ from krhpr.codegen.kernel import Frame, GeometryType, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform, Pose
 from krhpr.derivations.platforms.spatial_a import BETA, FIELDS, revolute_factors
-from krhpr.derivations.sublegs.base import Space
+from krhpr.derivations.terms import Space
 from krhpr.derivations.vectors import E, dot
 
 

@@ -15,7 +15,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform, Pose
-from krhpr.derivations.sublegs.base import Joint, JointKind, Space
+from krhpr.derivations.terms import Joint, JointKind, Space
 from krhpr.derivations.vectors import cross, dot
 
 FIELDS = (

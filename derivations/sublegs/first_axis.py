@@ -17,7 +17,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Factor, Sign
+from krhpr.derivations.terms import Factor, Sign
 from krhpr.derivations.vectors import cross, dot
 
 AXIS_FIELDS = (

@@ -14,18 +14,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import (
-    Factor,
-    Forward,
-    Joint,
-    JointKind,
-    Passive,
-    Posture,
-    Sign,
-    Space,
-    SubLeg,
-    VelocityEquations,
-)
+from krhpr.derivations.sublegs.base import Forward, Passive, Posture, SubLeg, VelocityEquations
 from krhpr.derivations.sublegs.first_axis import (
     FRAME_PORTS,
     SHOULDER,
@@ -39,6 +28,7 @@ from krhpr.derivations.sublegs.first_axis import (
     shoulder_factor,
 )
 from krhpr.derivations.sublegs.two_link import outside, two_link
+from krhpr.derivations.terms import Factor, Joint, JointKind, Sign, Space
 from krhpr.derivations.vectors import cross2, dot
 
 

@@ -106,7 +106,10 @@ def progress(total: int) -> Iterator[Step]:
     rich = _rich() if sys.stderr.isatty() else None
     if rich is None:
         begin = perf_counter()
-        yield lambda step: print(f"{perf_counter() - begin:6.1f} s  {step}", file=sys.stderr, flush=True)
+        # one write for each line: steps may begin side by side
+        yield lambda step: print(
+            f"{perf_counter() - begin:6.1f} s  {step}\n", end="", file=sys.stderr, flush=True
+        )
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 

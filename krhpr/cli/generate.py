@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -227,10 +228,11 @@ def _identifier(name: str) -> str:
 
 
 def _changed(changes: Sequence[Change]) -> str:
-    if not changes:
-        return "none changed"
-    names = ", ".join(change.path for change in changes[:3])
-    return f"{len(changes)} changed ({names}{', ...' if len(changes) > 3 else ''})"
+    from krhpr.codegen.output import Difference
+
+    words = {Difference.NEW: "new", Difference.CHANGED: "changed", Difference.ORPHAN: "removed"}
+    counts = Counter(words[change.difference] for change in changes)
+    return ", ".join(f"{count} {word}" for word, count in counts.items()) or "none changed"
 
 
 # -- compiling -----------------------------------------------------------------------------------------------

@@ -10,7 +10,8 @@ from krhpr.codegen.passes import Part, optimise
 from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.platforms.base import Platform
-from krhpr.derivations.sublegs.base import Mode, Sign, Space, SubLeg
+from krhpr.derivations.sublegs.base import SubLeg
+from krhpr.derivations.terms import Mode, Sign, Space
 
 
 class Parts:

@@ -1,8 +1,8 @@
-"""What the last run of `krhpr generate` read and wrote, so that the next one knows at once that nothing changed.
+"""What the last run of `krhpr generate` read and wrote, so that the next one sees that nothing changed.
 
-A digest of all that goes into generated files (this package, the derivations, the templates, the versions of what they
-run on) and one of all that came out.  Where both still hold, generating again would write what is there.
-`krhpr generate --check` and the tests do not trust it.
+A digest of all that goes into generated files (this package, the derivations, the templates, the versions of
+what they run on) and one of all that came out.  Where both still hold, generating again would write what is
+there.  `krhpr generate --check` and the tests do not trust it.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ def _gather(files: Sequence[File], identifiers: Sequence[str], package: str) -> 
             yield File(file.path, _written_out(path.name, file.text, headers, own))
         elif path.suffix == ".py":
             yield File(file.path, file.text.replace(GENERATED_PACKAGE, package))
-        elif path.suffix not in (".h", ".md"):
+        elif path.suffix != ".h" and file.path != "README.md":
             yield file
     yield File("README.md", render("standalone.md.j2", identifiers=identifiers, package=package))
 

@@ -1,0 +1,82 @@
+"""Words of the field as types: spaces, joints, branches, factors of determinants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import product
+from typing import Any
+
+
+class Space(StrEnum):
+    """Where a robot moves."""
+
+    SPATIAL = "spatial"
+    PLANAR = "planar"
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the space in which the platform moves."""
+        return 3 if self is Space.SPATIAL else 2
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """The platform's degrees of freedom."""
+        return 6 if self is Space.SPATIAL else 3
+
+    @property
+    def rows_per_leg(self) -> int:
+        """Constraint equations that one leg gives the platform."""
+        return 2 if self is Space.SPATIAL else 1
+
+
+class JointKind(StrEnum):
+    """How a joint's coordinate behaves: angles differ by full turns, slides do not."""
+
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+
+
+@dataclass(frozen=True)
+class Joint:
+    """An actuated or passive joint of a leg."""
+
+    name: str
+    kind: JointKind
+    doc: str
+
+
+@dataclass(frozen=True)
+class Sign:
+    """A choice of sign in a closed form (a branch), with the words for +1 and -1."""
+
+    name: str
+    plus: str
+    minus: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A branch: a readable label and the sign of every choice."""
+
+    label: str
+    signs: tuple[int, ...]
+
+
+def branches(signs: tuple[Sign, ...]) -> tuple[Mode, ...]:
+    """Every combination of signs, the first choice varying slowest and +1 before -1."""
+    modes = []
+    for values in product((1, -1), repeat=len(signs)):
+        words = [sign.plus if value > 0 else sign.minus for sign, value in zip(signs, values, strict=True)]
+        modes.append(Mode("/".join(words), values))
+    return tuple(modes)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A dimensionless factor of a leg's determinant: the leg is singular where it vanishes."""
+
+    name: str
+    value: Any
+    doc: str
