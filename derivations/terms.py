@@ -7,6 +7,8 @@ from enum import StrEnum
 from itertools import product
 from typing import Any
 
+import sympy as sp
+
 
 class Space(StrEnum):
     """Where a robot moves."""
@@ -80,3 +82,13 @@ class Factor:
     name: str
     value: Any
     doc: str
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Position and orientation as they stand in formulas: p and the rotation matrix Q (2 x 2 in the
+    plane).
+    """
+
+    p: sp.Matrix
+    Q: sp.Matrix

@@ -12,9 +12,9 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryType, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms.base import Platform, Pose
+from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.spatial_a import BETA, FIELDS, revolute_factors
-from krhpr.derivations.terms import Space
+from krhpr.derivations.terms import Pose, Space
 from krhpr.derivations.vectors import E, dot
 
 

@@ -12,8 +12,8 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms.base import Platform, Pose
-from krhpr.derivations.terms import Joint, JointKind, Space
+from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.terms import Joint, JointKind, Pose, Space
 from krhpr.derivations.vectors import dot
 
 FIELDS = (GeometryField("platform_azimuth", Unit.RADIAN, "azimuth of the leg's slide on the platform"),)

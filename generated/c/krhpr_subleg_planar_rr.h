@@ -148,8 +148,8 @@ static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], 
     angle[0] = theta[0];
 }
 
-/* Posture of the RR sub-leg: the vectors that its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4
- * add, 2 multiply) */
+/* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4 add, 2
+ * multiply) */
 static inline void krhpr_subleg_planar_rr_posture(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
 {
     const double d_0 = s[0] - g->o[0];

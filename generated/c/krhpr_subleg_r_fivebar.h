@@ -360,8 +360,8 @@ static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], 
     angle[2] = theta[2];
 }
 
-/* Posture of the R(RR-RRR) sub-leg: the vectors that its velocity equations are made of.  Thesis: App. B.
- * (11 add, 20 multiply) */
+/* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. B.  (11 add, 20
+ * multiply) */
 static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */

@@ -208,8 +208,8 @@ static inline void krhpr_subleg_rrr_posture_angles(const double theta[3], double
     angle[1] = theta[1];
 }
 
-/* Posture of the RRR sub-leg: the vectors that its velocity equations are made of.  Thesis: 1.5, 2.5.  (13
- * add, 18 multiply) */
+/* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: 1.5, 2.5.  (13 add, 18
+ * multiply) */
 static inline void krhpr_subleg_rrr_posture(const krhpr_subleg_rrr_geometry *g, const double s[3], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */

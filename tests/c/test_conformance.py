@@ -106,7 +106,7 @@ def test_no_writable_data(robot: str, compiler: str, tmp_path: Path) -> None:
 
 
 def test_stack_and_call_graph(robot: str, tmp_path: Path) -> None:
-    """Every stack frame is small, its size known at compile time; no function calls itself, even indirectly."""
+    """Every stack frame is small, its size known at compile time; no function ever calls itself."""
     program("gcc")
     flags = ("-std=c99", "-O2", "-fno-inline", "-fstack-usage", "-fcallgraph-info")
     compile_object("gcc", robot, tmp_path, *flags)

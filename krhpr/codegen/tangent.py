@@ -1,0 +1,226 @@
+"""Twins of kernels that carry tangents: with the values go their derivatives along several directions at once.
+
+`tangent_twin` differentiates a kernel on its graph (forward mode).  The twin first computes what does not depend on the
+directions, once; the rest is linear in them and straight-line, so a target prints it as a loop over the directions that a
+compiler turns into vector code.  `tangent_function` finds what a robot's function needs: its calls without those that only
+guard, and the structure (sparsity) of its Jacobian.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from krhpr.codegen.composition import Call, RobotFunction, Stage
+from krhpr.codegen.differentiate import tangents
+from krhpr.codegen.graph import LEAVES, Graph, InputRef, Name, Op
+from krhpr.codegen.kernel import LEGS, Kernel, Port
+from krhpr.codegen.passes import Part, pair_sine_cosine, remove_dead_code
+
+SUFFIX = "_tangent"
+BRANCHES = ("mode", "assembly")
+"""Inputs that choose a branch by signs: nothing is differentiated with respect to them."""
+
+_KINKS = frozenset({Op.ABS, Op.MIN, Op.MAX})
+
+
+def is_tangent(ref: InputRef) -> bool:
+    """Whether an input of a twin's graph is a derivative."""
+    return ref.port.endswith(SUFFIX)
+
+
+def differentiable_outputs(kernel: Kernel) -> tuple[Port, ...]:
+    """Outputs without a kink (absolute value, least, largest) on the way: all but those that serve guards."""
+    found = []
+    for port in kernel.outputs:
+        needed = kernel.graph.needed(kernel.results[port.name])
+        if not any(needed[index] and node.op in _KINKS for index, node in kernel.graph):
+            found.append(port)
+    return tuple(found)
+
+
+def tangent_twin(kernel: Kernel) -> Kernel | None:
+    """The kernel with a tangent for every input (but branches) and every differentiable output; None where there is none.
+
+    Nodes that do not depend on tangents come first, and those that the others read have names.
+    """
+    outputs = differentiable_outputs(kernel)
+    if not outputs:
+        return None
+    carried = tuple(port for port in kernel.inputs if port.name not in BRANCHES)
+    graph = Graph()
+    place = kernel.graph.copy_into(graph, {})
+    seeds = {
+        InputRef(port.name, index): graph.input(port.name + SUFFIX, index)
+        for port in carried
+        for index in range(port.size)
+    }
+    wanted = [node for port in outputs for node in kernel.results[port.name]]
+    dots = tangents(kernel.graph, graph, place, seeds, wanted)
+    zero = graph.constant(0)
+    results: dict[str, tuple[int, ...]] = {}
+    for port in outputs:
+        nodes = kernel.results[port.name]
+        results[port.name] = tuple(place[node] for node in nodes)
+        rates = (dots[node] for node in nodes)
+        results[port.name + SUFFIX] = tuple(zero if rate is None else rate for rate in rates)
+    twin = replace(
+        kernel,
+        name=kernel.name + SUFFIX,
+        doc=f"`{kernel.name}` with the derivatives of its outputs along directions of its inputs.",
+        inputs=(*kernel.inputs, *map(_tangent_port, carried)),
+        outputs=(*outputs, *map(_tangent_port, outputs)),
+        graph=graph,
+        results=results,
+    )
+    return _values_first(pair_sine_cosine(remove_dead_code(_multiply_by_reciprocals(twin))))
+
+
+def _tangent_port(port: Port) -> Port:
+    return replace(port, name=port.name + SUFFIX, doc=f"derivative of {port.name}", labels=())
+
+
+def _varying(graph: Graph) -> list[bool]:
+    """For every node, whether it depends on a tangent."""
+    found: list[bool] = []
+    for _, node in graph:
+        found.append(is_tangent(node.value) if isinstance(node.value, InputRef) else any(found[a] for a in node.args))
+    return found
+
+
+def _multiply_by_reciprocals(kernel: Kernel) -> Kernel:
+    """Divide once for all directions: a tangent over a value becomes the tangent times the value's reciprocal."""
+    varying = _varying(kernel.graph)
+    target = Graph()
+    place: list[int] = []
+    for index, node in kernel.graph:
+        if node.op is Op.DIV and varying[index] and not varying[node.args[1]]:
+            reciprocal = target.div(target.constant(1), place[node.args[1]])
+            place.append(target.mul(place[node.args[0]], reciprocal))
+        else:
+            place.append(target.replay(node, place))
+        _keep_name(kernel.graph, index, target, place[index])
+    return _moved(kernel, target, place)
+
+
+def _values_first(kernel: Kernel) -> Kernel:
+    """Values before tangents, and a name for every value that a tangent reads."""
+    varying = _varying(kernel.graph)
+    order = sorted(range(len(kernel.graph)), key=lambda index: varying[index])
+    target = Graph()
+    place = [-1] * len(kernel.graph)
+    for index in order:
+        place[index] = target.replay(kernel.graph.nodes[index], place)
+        _keep_name(kernel.graph, index, target, place[index])
+    number = 0
+    late = _varying(target)
+    for index, node in list(target):
+        for argument in node.args if late[index] else ():
+            unnamed = argument not in target.names and target.nodes[argument].op not in LEAVES
+            if unnamed and not late[argument]:
+                number += 1
+                target.name(argument, Name(f"h{number}"))
+    return _moved(kernel, target, place)
+
+
+def _keep_name(source: Graph, index: int, target: Graph, here: int) -> None:
+    if index in source.names:
+        target.name(here, source.names[index])
+
+
+def _moved(kernel: Kernel, graph: Graph, place: Sequence[int]) -> Kernel:
+    results = {name: tuple(place[node] for node in nodes) for name, nodes in kernel.results.items()}
+    return replace(kernel, graph=graph, results=results)
+
+
+# -- functions ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class TangentFunction:
+    """What the Jacobian of a robot's function takes."""
+
+    calls: tuple[Call, ...]
+    carried: frozenset[str]
+    """Variables that have a tangent."""
+    structure: Mapping[tuple[str, str], frozenset[tuple[int, int]]]
+    """(output, input) -> (element, element), row-major in the ports' full shapes, where the derivative may not vanish."""
+
+
+def tangent_function(function: RobotFunction, parts: Mapping[str, Part]) -> TangentFunction | None:
+    """The differentiated function; None where an output has no derivative everywhere."""
+    calls = _needed_calls(function, parts)
+    carried = {port.name for port in function.inputs if port.name not in BRANCHES}
+    made = set(carried)
+    for call in calls:
+        kernel = parts[call.part].kernel(call.kernel)
+        reads = {call.variable_in(port.name) for port in kernel.inputs if port.name not in BRANCHES}
+        if not reads <= made:
+            return None
+        made |= {call.variable_out(port.name) for port in differentiable_outputs(kernel)}
+    if any(port.name not in made for port in function.outputs):
+        return None
+    return TangentFunction(calls, frozenset(made), _structure(function, calls, parts))
+
+
+def _needed_calls(function: RobotFunction, parts: Mapping[str, Part]) -> tuple[Call, ...]:
+    """Calls on which an output depends, in order."""
+    wanted = {port.name for port in function.outputs}
+    found: list[Call] = []
+    for call in reversed(function.calls):
+        kernel = parts[call.part].kernel(call.kernel)
+        if wanted & {call.variable_out(port.name) for port in kernel.outputs}:
+            wanted |= {call.variable_in(port.name) for port in kernel.inputs}
+            found.append(call)
+    return tuple(reversed(found))
+
+
+Sources = list[frozenset[tuple[str, int]]]
+"""For each element of a variable, the elements of the function's inputs on which it depends."""
+
+
+def _structure(
+    function: RobotFunction, calls: Sequence[Call], parts: Mapping[str, Part]
+) -> dict[tuple[str, str], frozenset[tuple[int, int]]]:
+    known: dict[str, Sources] = {
+        port.name: [frozenset({(port.name, index)}) for index in range(port.full_size)] for port in function.inputs
+    }
+    per_leg = {port.name: port.per_leg for port in function.inputs}
+    for call in calls:
+        kernel = parts[call.part].kernel(call.kernel)
+        legs = range(LEGS) if call.stage is Stage.LEG else (None,)
+        outputs: dict[str, Sources] = {port.name: [] for port in kernel.outputs}
+        for leg in legs:
+            arguments: dict[str, Sources] = {}
+            for port in kernel.inputs:
+                name = call.variable_in(port.name)
+                size = port.size
+                whole = known[name]
+                part = whole[leg * size : (leg + 1) * size] if leg is not None and per_leg[name] else whole
+                arguments[port.name] = part
+            for name, sources in _kernel_sources(kernel, arguments).items():
+                outputs[name] += sources
+        for port in kernel.outputs:
+            known[call.variable_out(port.name)] = outputs[port.name]
+            per_leg[call.variable_out(port.name)] = call.stage is Stage.LEG
+    return {
+        (output.name, given.name): frozenset(
+            (row, index)
+            for row, sources in enumerate(known[output.name])
+            for name, index in sources
+            if name == given.name
+        )
+        for output in function.outputs
+        for given in function.inputs
+    }
+
+
+def _kernel_sources(kernel: Kernel, arguments: Mapping[str, Sources]) -> dict[str, Sources]:
+    found: Sources = []
+    for _, node in kernel.graph:
+        if isinstance(node.value, InputRef):
+            own = arguments.get(node.value.port)  # None: geometry
+            found.append(own[node.value.index] if own is not None else frozenset())
+        else:
+            found.append(frozenset().union(*(found[a] for a in node.args)))
+    return {port.name: [found[node] for node in kernel.results[port.name]] for port in kernel.outputs}
