@@ -9,7 +9,10 @@ from difflib import get_close_matches
 def nearest(name: str, known: Sequence[str]) -> str:
     """For a name that is not among those known: which are nearest, or else which there are."""
     near = get_close_matches(name, known, n=3, cutoff=0.5)
-    return f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(known)}"
+    if not near:
+        return f"there are {', '.join(known)}"
+    *others, last = near
+    return f"did you mean {', '.join(others)} or {last}?" if others else f"did you mean {last}?"
 
 
 class KrhprError(Exception):

@@ -356,7 +356,8 @@ class Robot:
             core = len(port.shape)
             if array.ndim < core or array.shape[array.ndim - core :] != port.shape:
                 raise ValueError(
-                    f"{where}: {port.name!r} has shape {array.shape}, expected {_shape_text(port)}: {port.doc}"
+                    f"{where}: {port.name!r} has shape {array.shape}, expected {_shape_text(port)}: "
+                    f"{port.doc}"
                 )
             arrays.append(array)
             batches.append(array.shape[: array.ndim - core])
@@ -399,8 +400,8 @@ class Robot:
             leg, distance = int(code), self._distance(signature, arrays, status, index, int(code))
             by = "" if np.isnan(distance) else f"; it is {distance:.6g} out of reach"
             raise Unreachable(
-                f"{where}: leg {leg} cannot reach its end point{by}. Change the pose, the redundant coordinate "
-                "of that leg, or the working mode",
+                f"{where}: leg {leg} cannot reach its end point{by}. Change the pose, the redundant "
+                "coordinate of that leg, or the working mode",
                 leg,
                 distance,
                 index,

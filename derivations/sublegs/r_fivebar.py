@@ -72,7 +72,7 @@ class RFiveBar(SubLeg):
             "P lies left or right of the directed line C -> E in the plane (x, e_1)",
         ),
     )
-    default_mode = "front/elbow+/rod+"
+    default_mode = "front/elbow-/rod-"
     default_assembly = "left"
 
     def geometry(self) -> GeometryType:

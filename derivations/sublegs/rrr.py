@@ -50,7 +50,7 @@ class RRR(SubLeg):
         Joint("theta_3", JointKind.REVOLUTE, "about e_2; link i3 relative to link i2"),
     )
     inverse_signs = (SHOULDER, Sign("elbow", "elbow+", "elbow-", "sign of sin(theta_3)"))
-    default_mode = "front/elbow+"
+    default_mode = "front/elbow-"
 
     def geometry(self) -> GeometryType:
         return axis_geometry(

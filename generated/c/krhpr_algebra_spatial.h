@@ -12,21 +12,24 @@
 #include "krhpr_elementary.h"
 
 /* r = N s_dot, the rate along the leg's lines.  Thesis: (1.30).  (4 add, 6 multiply) */
-static inline void krhpr_algebra_spatial_rate(const double N[6], const double s_dot[3], double *KRHPR_RESTRICT rate)
+static inline void krhpr_algebra_spatial_rate(
+    const double N[6], const double s_dot[3], double *KRHPR_RESTRICT rate)
 {
     rate[0] = N[0] * s_dot[0] + N[1] * s_dot[1] + N[2] * s_dot[2];
     rate[1] = N[3] * s_dot[0] + N[4] * s_dot[1] + N[5] * s_dot[2];
 }
 
 /* N s_ddot + bias, the right-hand side of (1.30) differentiated.  (6 add, 6 multiply) */
-static inline void krhpr_algebra_spatial_rate_with_bias(const double N[6], const double s_ddot[3], const double bias[2], double *KRHPR_RESTRICT rate)
+static inline void krhpr_algebra_spatial_rate_with_bias(
+    const double N[6], const double s_ddot[3], const double bias[2], double *KRHPR_RESTRICT rate)
 {
     rate[0] = bias[0] + N[0] * s_ddot[0] + N[1] * s_ddot[1] + N[2] * s_ddot[2];
     rate[1] = bias[1] + N[3] * s_ddot[0] + N[4] * s_ddot[1] + N[5] * s_ddot[2];
 }
 
 /* s_ddot = M theta_ddot + bias.  (3 add) */
-static inline void krhpr_algebra_spatial_sum(const double along[3], const double bias[3], double *KRHPR_RESTRICT s_ddot)
+static inline void krhpr_algebra_spatial_sum(
+    const double along[3], const double bias[3], double *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0] = along[0] + bias[0];
     s_ddot[1] = along[1] + bias[1];
@@ -34,7 +37,8 @@ static inline void krhpr_algebra_spatial_sum(const double along[3], const double
 }
 
 /* M theta_ddot = s_ddot - bias.  (3 add) */
-static inline void krhpr_algebra_spatial_difference(const double s_ddot[3], const double bias[3], double *KRHPR_RESTRICT along)
+static inline void krhpr_algebra_spatial_difference(
+    const double s_ddot[3], const double bias[3], double *KRHPR_RESTRICT along)
 {
     along[0] = s_ddot[0] - bias[0];
     along[1] = s_ddot[1] - bias[1];
@@ -43,7 +47,8 @@ static inline void krhpr_algebra_spatial_difference(const double s_ddot[3], cons
 
 /* Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last link.
  * (18 add, 27 multiply) */
-static inline void krhpr_algebra_spatial_wrist(const double link[9], const double redundant_link[9], double *KRHPR_RESTRICT spherical)
+static inline void krhpr_algebra_spatial_wrist(
+    const double link[9], const double redundant_link[9], double *KRHPR_RESTRICT spherical)
 {
     const double spherical_00 = link[0] * redundant_link[0] + link[3] * redundant_link[3] + link[6] * redundant_link[6];
     const double spherical_01 = link[0] * redundant_link[1] + link[3] * redundant_link[4] + link[6] * redundant_link[7];

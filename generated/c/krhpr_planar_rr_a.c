@@ -61,7 +61,9 @@ size_t krhpr_planar_rr_a_geometry_size(void)
     return sizeof(krhpr_planar_rr_a_geometry);
 }
 
-int krhpr_planar_rr_a_end_points(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], double *KRHPR_RESTRICT s)
+int krhpr_planar_rr_a_end_points(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -79,16 +81,21 @@ int krhpr_planar_rr_a_end_points(const krhpr_planar_rr_a_geometry *g, const doub
     krhpr_sincos_array(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+        krhpr_platform_planar_a_end_point(
+            &g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
     }
     return status;
 }
 
-int krhpr_planar_rr_a_end_points_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_end_points_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_end_points(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_end_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -97,7 +104,9 @@ int krhpr_planar_rr_a_end_points_batch(const krhpr_planar_rr_a_geometry *g, size
     return first;
 }
 
-int krhpr_planar_rr_a_redundant_coordinates(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], double *KRHPR_RESTRICT redundant)
+int krhpr_planar_rr_a_redundant_coordinates(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -124,11 +133,15 @@ int krhpr_planar_rr_a_redundant_coordinates(const krhpr_planar_rr_a_geometry *g,
     return status;
 }
 
-int krhpr_planar_rr_a_redundant_coordinates_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_redundant_coordinates_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_redundant_coordinates(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_redundant_coordinates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -137,7 +150,8 @@ int krhpr_planar_rr_a_redundant_coordinates_batch(const krhpr_planar_rr_a_geomet
     return first;
 }
 
-int krhpr_planar_rr_a_subleg_forward(const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
+int krhpr_planar_rr_a_subleg_forward(
+    const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(theta, 6) == 0.0)) {
@@ -157,7 +171,9 @@ int krhpr_planar_rr_a_subleg_forward(const krhpr_planar_rr_a_geometry *g, const 
     return status;
 }
 
-int krhpr_planar_rr_a_subleg_forward_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_subleg_forward_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -170,7 +186,8 @@ int krhpr_planar_rr_a_subleg_forward_batch(const krhpr_planar_rr_a_geometry *g, 
     return first;
 }
 
-int krhpr_planar_rr_a_subleg_inverse(const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta)
+int krhpr_planar_rr_a_subleg_inverse(
+    const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -182,7 +199,8 @@ int krhpr_planar_rr_a_subleg_inverse(const krhpr_planar_rr_a_geometry *g, const 
     double tail_x[KRHPR_PADDED(12)] = {0.0};
     double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+        krhpr_subleg_planar_rr_inverse_all(
+            &g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -200,7 +218,9 @@ int krhpr_planar_rr_a_subleg_inverse(const krhpr_planar_rr_a_geometry *g, const 
     return status;
 }
 
-int krhpr_planar_rr_a_subleg_inverse_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_subleg_inverse_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -213,7 +233,8 @@ int krhpr_planar_rr_a_subleg_inverse_batch(const krhpr_planar_rr_a_geometry *g, 
     return first;
 }
 
-int krhpr_planar_rr_a_subleg_jacobian(const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M)
+int krhpr_planar_rr_a_subleg_jacobian(
+    const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
@@ -236,11 +257,14 @@ int krhpr_planar_rr_a_subleg_jacobian(const krhpr_planar_rr_a_geometry *g, const
     return status;
 }
 
-int krhpr_planar_rr_a_subleg_jacobian_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_subleg_jacobian_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_subleg_jacobian(g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -249,7 +273,9 @@ int krhpr_planar_rr_a_subleg_jacobian_batch(const krhpr_planar_rr_a_geometry *g,
     return first;
 }
 
-int krhpr_planar_rr_a_constraints(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], double *KRHPR_RESTRICT residual)
+int krhpr_planar_rr_a_constraints(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -269,11 +295,15 @@ int krhpr_planar_rr_a_constraints(const krhpr_planar_rr_a_geometry *g, const dou
     return status;
 }
 
-int krhpr_planar_rr_a_constraints_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_constraints_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_constraints(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_constraints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -282,7 +312,9 @@ int krhpr_planar_rr_a_constraints_batch(const krhpr_planar_rr_a_geometry *g, siz
     return first;
 }
 
-int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_planar_rr_a_jacobians(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -309,7 +341,8 @@ int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const doubl
         double u_2[2];
         double K_block[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
@@ -318,11 +351,15 @@ int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const doubl
     return status;
 }
 
-int krhpr_planar_rr_a_jacobians_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_jacobians_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_jacobians(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_planar_rr_a_jacobians(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -331,7 +368,9 @@ int krhpr_planar_rr_a_jacobians_batch(const krhpr_planar_rr_a_geometry *g, size_
     return first;
 }
 
-int krhpr_planar_rr_a_jacobian_blocks(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_planar_rr_a_jacobian_blocks(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -354,17 +393,22 @@ int krhpr_planar_rr_a_jacobian_blocks(const krhpr_planar_rr_a_geometry *g, const
         double d[2];
         double u_2[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K + 2 * i);
     }
     return status;
 }
 
-int krhpr_planar_rr_a_jacobian_blocks_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_jacobian_blocks_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_jacobian_blocks(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_planar_rr_a_jacobian_blocks(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -373,7 +417,9 @@ int krhpr_planar_rr_a_jacobian_blocks_batch(const krhpr_planar_rr_a_geometry *g,
     return first;
 }
 
-int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double mode[3], double *KRHPR_RESTRICT theta)
+int krhpr_planar_rr_a_inverse(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    const double mode[3], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -400,7 +446,8 @@ int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double 
     for (int i = 0; i < 3; ++i) {
         double s[2];
         krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rr_inverse(&g->subleg[i], s, mode + i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
+        krhpr_subleg_planar_rr_inverse(
+            &g->subleg[i], s, mode + i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -416,11 +463,15 @@ int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double 
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_inverse_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_inverse(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_inverse(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -429,7 +480,9 @@ int krhpr_planar_rr_a_inverse_batch(const krhpr_planar_rr_a_geometry *g, size_t 
     return first;
 }
 
-int krhpr_planar_rr_a_inverse_all(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], double *KRHPR_RESTRICT theta)
+int krhpr_planar_rr_a_inverse_all(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -471,11 +524,15 @@ int krhpr_planar_rr_a_inverse_all(const krhpr_planar_rr_a_geometry *g, const dou
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_all_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_inverse_all_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_inverse_all(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_inverse_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -484,7 +541,9 @@ int krhpr_planar_rr_a_inverse_all_batch(const krhpr_planar_rr_a_geometry *g, siz
     return first;
 }
 
-int krhpr_planar_rr_a_inverse_status(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double mode[3], double *KRHPR_RESTRICT excess)
+int krhpr_planar_rr_a_inverse_status(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    const double mode[3], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -517,11 +576,15 @@ int krhpr_planar_rr_a_inverse_status(const krhpr_planar_rr_a_geometry *g, const 
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_status_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_inverse_status_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_inverse_status(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_inverse_status(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -530,7 +593,9 @@ int krhpr_planar_rr_a_inverse_status_batch(const krhpr_planar_rr_a_geometry *g, 
     return first;
 }
 
-int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist)
+int krhpr_planar_rr_a_twist(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -538,7 +603,8 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(theta_dot, 6) == 0.0)) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(theta_dot, 6) == 0.0)) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -558,7 +624,8 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
         double u_2[2];
         double s_dot[2];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
@@ -572,11 +639,15 @@ int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[
     return status;
 }
 
-int krhpr_planar_rr_a_twist_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_twist_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_twist(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_twist(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -585,12 +656,16 @@ int krhpr_planar_rr_a_twist_batch(const krhpr_planar_rr_a_geometry *g, size_t co
     return first;
 }
 
-int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double twist[3], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot)
+int krhpr_planar_rr_a_joint_rates(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double twist[3], const double redundant_rate[3],
+    double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -607,8 +682,10 @@ int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const dou
         double s_dot[2];
         double d[2];
         double u_2[2];
-        krhpr_platform_planar_a_end_velocity(&g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_platform_planar_a_end_velocity(
+            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], s_dot);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -620,11 +697,15 @@ int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const dou
     return status;
 }
 
-int krhpr_planar_rr_a_joint_rates_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_joint_rates_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_joint_rates(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_joint_rates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -633,7 +714,10 @@ int krhpr_planar_rr_a_joint_rates_batch(const krhpr_planar_rr_a_geometry *g, siz
     return first;
 }
 
-int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6], double *KRHPR_RESTRICT twist_rate)
+int krhpr_planar_rr_a_platform_acceleration(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6],
+    double *KRHPR_RESTRICT twist_rate)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -641,7 +725,8 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6) == 0.0)) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6) == 0.0)) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -665,8 +750,10 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
         double s_ddot[2];
         double row_bias[1];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_bias(
+            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
@@ -682,11 +769,16 @@ int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g,
     return status;
 }
 
-int krhpr_planar_rr_a_platform_acceleration_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_platform_acceleration_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_platform_acceleration(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_platform_acceleration(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -695,12 +787,17 @@ int krhpr_planar_rr_a_platform_acceleration_batch(const krhpr_planar_rr_a_geomet
     return first;
 }
 
-int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double twist[3], const double redundant_rate[3], const double theta_dot[6], const double twist_rate[3], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
+int krhpr_planar_rr_a_joint_accelerations(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double twist[3], const double redundant_rate[3], const double theta_dot[6],
+    const double twist_rate[3], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) + krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
+          krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -721,10 +818,15 @@ int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, c
         double along[2];
         double d[2];
         double u_2[2];
-        krhpr_platform_planar_a_end_acceleration(&g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_planar_rr_bias(&g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again, bias);
+        krhpr_platform_planar_a_end_acceleration(
+            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], twist_rate,
+            redundant_acceleration[i], s_dot, s_ddot);
+        krhpr_subleg_planar_rr_bias(
+            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
+            bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -736,11 +838,16 @@ int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, c
     return status;
 }
 
-int krhpr_planar_rr_a_joint_accelerations_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_joint_accelerations_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_joint_accelerations(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_joint_accelerations(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -749,7 +856,9 @@ int krhpr_planar_rr_a_joint_accelerations_batch(const krhpr_planar_rr_a_geometry
     return first;
 }
 
-int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint)
+int krhpr_planar_rr_a_passive_joints(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -775,9 +884,11 @@ int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const 
         double u_2[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_passive(&g->subleg[i], u_2, link);
-        krhpr_platform_planar_a_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_planar_a_joint(
+            &g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 3 + 1 * i, tail_x + 3 + 1 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
@@ -788,11 +899,15 @@ int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const 
     return status;
 }
 
-int krhpr_planar_rr_a_passive_joints_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_passive_joints_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_passive_joints(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_planar_rr_a_passive_joints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -801,7 +916,10 @@ int krhpr_planar_rr_a_passive_joints_batch(const krhpr_planar_rr_a_geometry *g, 
     return first;
 }
 
-int krhpr_planar_rr_a_singularity(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors, double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+int krhpr_planar_rr_a_singularity(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
+    double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
 {
     int status = KRHPR_OK;
     double Q[4];
@@ -828,19 +946,26 @@ int krhpr_planar_rr_a_singularity(const krhpr_planar_rr_a_geometry *g, const dou
         double d[2];
         double u_2[2];
         double N[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_determinant(&g->subleg[i], d, u_2, &type_1[i], factors + i);
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+        krhpr_platform_planar_a_line(
+            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
 }
 
-int krhpr_planar_rr_a_singularity_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_singularity_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_singularity(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        const int here = krhpr_planar_rr_a_singularity(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -851,7 +976,9 @@ int krhpr_planar_rr_a_singularity_batch(const krhpr_planar_rr_a_geometry *g, siz
 
 static const int joint_is_angle[2] = {1, 1};
 
-int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double theta_near[6], double *KRHPR_RESTRICT theta)
+int krhpr_planar_rr_a_inverse_near(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    const double theta_near[6], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[12];
@@ -883,11 +1010,15 @@ int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const do
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_near_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_planar_rr_a_inverse_near_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_rr_a_inverse_near(g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        const int here = krhpr_planar_rr_a_inverse_near(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -48,10 +48,14 @@ size_t krhpr_planar_rr_a_geometry_size(void);
  *          clockwise from +z'
  *   out    s (3 x 2, m, base frame): end points of the sub-legs
  */
-int krhpr_planar_rr_a_end_points(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], double *KRHPR_RESTRICT s);
+int krhpr_planar_rr_a_end_points(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    double *KRHPR_RESTRICT s);
 /* Batch: in = p (2), phi (1), redundant (3); out = s (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_end_points_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_end_points_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Redundant coordinates from the pose and the end points.  Thesis: 1.5.
  *   in     p (2, m, base frame): position of O'
@@ -60,40 +64,53 @@ int krhpr_planar_rr_a_end_points_batch(const krhpr_planar_rr_a_geometry *g, size
  *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
  */
-int krhpr_planar_rr_a_redundant_coordinates(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], double *KRHPR_RESTRICT redundant);
+int krhpr_planar_rr_a_redundant_coordinates(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    double *KRHPR_RESTRICT redundant);
 /* Batch: in = p (2), phi (1), s (6); out = redundant (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_redundant_coordinates_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_redundant_coordinates_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.  Thesis:
  * 3.5.
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   out    s (3 x 2, m, base frame): end point of the sub-leg, S_i
  */
-int krhpr_planar_rr_a_subleg_forward(const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s);
+int krhpr_planar_rr_a_subleg_forward(
+    const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s);
 /* Batch: in = theta (6); out = s (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_subleg_forward_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_subleg_forward_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   out    theta (3 x 2 x 2, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
-int krhpr_planar_rr_a_subleg_inverse(const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta);
+int krhpr_planar_rr_a_subleg_inverse(
+    const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta);
 /* Batch: in = s (6); out = theta (12); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_subleg_inverse_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_subleg_inverse_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.  Thesis: (1.16), (2.15).
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   out    M (3 x 2 x 2, mixed, base frame): Jacobian of the sub-leg
  */
-int krhpr_planar_rr_a_subleg_jacobian(const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M);
+int krhpr_planar_rr_a_subleg_jacobian(
+    const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M);
 /* Batch: in = s (6), theta (6); out = M (12); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_subleg_jacobian_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_subleg_jacobian_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N
  * s_dot.  Thesis: (2.1).
@@ -102,10 +119,14 @@ int krhpr_planar_rr_a_subleg_jacobian_batch(const krhpr_planar_rr_a_geometry *g,
  *   in     s (3 x 2, m, base frame): end points of the sub-legs
  *   out    residual (3, mixed): residuals of the constraint equations
  */
-int krhpr_planar_rr_a_constraints(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], double *KRHPR_RESTRICT residual);
+int krhpr_planar_rr_a_constraints(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    double *KRHPR_RESTRICT residual);
 /* Batch: in = p (2), phi (1), s (6); out = residual (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_constraints_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_constraints_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* J and K of J t = K theta_dot.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (2, m, base frame): position of O'
@@ -115,10 +136,14 @@ int krhpr_planar_rr_a_constraints_batch(const krhpr_planar_rr_a_geometry *g, siz
  *   out    J (3 x 3, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 6, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
  */
-int krhpr_planar_rr_a_jacobians(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
+int krhpr_planar_rr_a_jacobians(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = J (9), K (18); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_jacobians_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_jacobians_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* J, and K as the legs' blocks without the zeros.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (2, m, base frame): position of O'
@@ -128,10 +153,14 @@ int krhpr_planar_rr_a_jacobians_batch(const krhpr_planar_rr_a_geometry *g, size_
  *   out    J (3 x 3, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 1 x 2, mixed, base frame): the legs' blocks of K
  */
-int krhpr_planar_rr_a_jacobian_blocks(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
+int krhpr_planar_rr_a_jacobian_blocks(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = J (9), K (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_jacobian_blocks_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_jacobian_blocks_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
@@ -141,10 +170,14 @@ int krhpr_planar_rr_a_jacobian_blocks_batch(const krhpr_planar_rr_a_geometry *g,
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
  *   out    theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_inverse(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double mode[3], double *KRHPR_RESTRICT theta);
+int krhpr_planar_rr_a_inverse(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    const double mode[3], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (2), phi (1), redundant (3), mode (3); out = theta (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_inverse_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Actuated joints in every working mode; NaN where a mode does not exist.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
@@ -153,10 +186,14 @@ int krhpr_planar_rr_a_inverse_batch(const krhpr_planar_rr_a_geometry *g, size_t 
  *          clockwise from +z'
  *   out    theta (3 x 2 x 2, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
-int krhpr_planar_rr_a_inverse_all(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], double *KRHPR_RESTRICT theta);
+int krhpr_planar_rr_a_inverse_all(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    double *KRHPR_RESTRICT theta);
 /* Batch: in = p (2), phi (1), redundant (3); out = theta (12); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_all_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_inverse_all_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.  Thesis:
  * 1.8.
@@ -168,10 +205,14 @@ int krhpr_planar_rr_a_inverse_all_batch(const krhpr_planar_rr_a_geometry *g, siz
  *          [theta_1, theta_2]
  *   out    theta (3 x 2, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_inverse_near(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double theta_near[6], double *KRHPR_RESTRICT theta);
+int krhpr_planar_rr_a_inverse_near(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    const double theta_near[6], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (2), phi (1), redundant (3), theta_near (6); out = theta (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_near_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_inverse_near_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Which leg cannot reach its end point, and by how much.  Thesis: 1.5.
  *   in     p (2, m, base frame): position of O'
@@ -181,10 +222,14 @@ int krhpr_planar_rr_a_inverse_near_batch(const krhpr_planar_rr_a_geometry *g, si
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
-int krhpr_planar_rr_a_inverse_status(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3], const double mode[3], double *KRHPR_RESTRICT excess);
+int krhpr_planar_rr_a_inverse_status(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
+    const double mode[3], double *KRHPR_RESTRICT excess);
 /* Batch: in = p (2), phi (1), redundant (3), mode (3); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_status_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_inverse_status_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.  Thesis: (1.30).
  *   in     p (2, m, base frame): position of O'
@@ -194,10 +239,14 @@ int krhpr_planar_rr_a_inverse_status_batch(const krhpr_planar_rr_a_geometry *g, 
  *   in     theta_dot (3 x 2, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2]
  *   out    twist (3, m/s, rad/s, base frame): twist [p_dot, phi_dot]
  */
-int krhpr_planar_rr_a_twist(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist);
+int krhpr_planar_rr_a_twist(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist);
 /* Batch: in = p (2), phi (1), s (6), theta (6), theta_dot (6); out = twist (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_twist_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_twist_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Rates of the actuated joints from the twist and the rates of the redundant coordinates.  Thesis: (1.30),
  * (1.9).
@@ -209,10 +258,15 @@ int krhpr_planar_rr_a_twist_batch(const krhpr_planar_rr_a_geometry *g, size_t co
  *   in     redundant_rate (3, rad/s or m/s, joint frame): rate of beta
  *   out    theta_dot (3 x 2, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_joint_rates(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double twist[3], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot);
+int krhpr_planar_rr_a_joint_rates(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double twist[3], const double redundant_rate[3],
+    double *KRHPR_RESTRICT theta_dot);
 /* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rate (3); out = theta_dot (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_joint_rates_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_joint_rates_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.
  * Thesis: (1.30) differentiated.
@@ -226,10 +280,15 @@ int krhpr_planar_rr_a_joint_rates_batch(const krhpr_planar_rr_a_geometry *g, siz
  *          [theta_1, theta_2]
  *   out    twist_rate (3, m/s^2, rad/s^2, base frame): rate of the twist
  */
-int krhpr_planar_rr_a_platform_acceleration(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6], double *KRHPR_RESTRICT twist_rate);
+int krhpr_planar_rr_a_platform_acceleration(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6],
+    double *KRHPR_RESTRICT twist_rate);
 /* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), theta_dot (6), theta_ddot (6); out = twist_rate (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_platform_acceleration_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_platform_acceleration_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.
  * Thesis: (1.30) differentiated.
@@ -245,10 +304,15 @@ int krhpr_planar_rr_a_platform_acceleration_batch(const krhpr_planar_rr_a_geomet
  *   out    theta_ddot (3 x 2, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_joint_accelerations(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], const double twist[3], const double redundant_rate[3], const double theta_dot[6], const double twist_rate[3], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot);
+int krhpr_planar_rr_a_joint_accelerations(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double twist[3], const double redundant_rate[3], const double theta_dot[6],
+    const double twist_rate[3], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot);
 /* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rate (3), theta_dot (6), twist_rate (3), redundant_acceleration (3); out = theta_ddot (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_joint_accelerations_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_joint_accelerations_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Every passive joint, from the base to the platform.
  *   in     p (2, m, base frame): position of O'
@@ -260,10 +324,14 @@ int krhpr_planar_rr_a_joint_accelerations_batch(const krhpr_planar_rr_a_geometry
  *   out    platform_joint (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
  *          link, clockwise from +z'
  */
-int krhpr_planar_rr_a_passive_joints(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint);
+int krhpr_planar_rr_a_passive_joints(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = wrist (3), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_passive_joints_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_passive_joints_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Singular where the three redundant links' lines meet in a point or are parallel.  Thesis:
@@ -278,10 +346,15 @@ int krhpr_planar_rr_a_passive_joints_batch(const krhpr_planar_rr_a_geometry *g, 
  *   out    margins (1, mixed): -det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30,
  *          150) deg [det J_a]
  */
-int krhpr_planar_rr_a_singularity(const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6], const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors, double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
+int krhpr_planar_rr_a_singularity(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
+    double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = type_1 (3), factors (3), type_2 (1), margins (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_singularity_batch(const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_planar_rr_a_singularity_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
 #ifdef __cplusplus
 }

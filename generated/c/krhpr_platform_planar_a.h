@@ -41,7 +41,9 @@ static inline void krhpr_platform_planar_a_end_point_angles(double redundant, do
 }
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
-static inline void krhpr_platform_planar_a_end_point(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
+static inline void krhpr_platform_planar_a_end_point(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double sine[1],
+    const double cosine[1], double *KRHPR_RESTRICT s)
 {
     const double l_c = g->l_r * cosine[0];
     const double l_s = g->l_r * sine[0];
@@ -53,7 +55,9 @@ static inline void krhpr_platform_planar_a_end_point(const krhpr_platform_planar
 
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (10 add, 12 multiply) */
-static inline void krhpr_platform_planar_a_redundant(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_platform_planar_a_redundant(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -66,7 +70,9 @@ static inline void krhpr_platform_planar_a_redundant(const krhpr_platform_planar
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.1).  (8 add, 7 multiply) */
-static inline void krhpr_platform_planar_a_residual(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT residual)
+static inline void krhpr_platform_planar_a_residual(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    double *KRHPR_RESTRICT residual)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -77,7 +83,9 @@ static inline void krhpr_platform_planar_a_residual(const krhpr_platform_planar_
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
-static inline void krhpr_platform_planar_a_rows(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+static inline void krhpr_platform_planar_a_rows(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -92,7 +100,10 @@ static inline void krhpr_platform_planar_a_rows(const krhpr_platform_planar_a_ge
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (15 add, 18 multiply) */
-static inline void krhpr_platform_planar_a_line(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N, double *KRHPR_RESTRICT scale)
+static inline void krhpr_platform_planar_a_line(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    double *KRHPR_RESTRICT scale)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -117,7 +128,9 @@ static inline void krhpr_platform_planar_a_line(const krhpr_platform_planar_a_ge
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (12 add, 8 multiply) */
-static inline void krhpr_platform_planar_a_end_velocity(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], const double twist[3], double redundant_rate, double *KRHPR_RESTRICT s_dot)
+static inline void krhpr_platform_planar_a_end_velocity(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    const double twist[3], double redundant_rate, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -132,7 +145,10 @@ static inline void krhpr_platform_planar_a_end_velocity(const krhpr_platform_pla
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply) */
-static inline void krhpr_platform_planar_a_end_acceleration(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], const double twist[3], double redundant_rate, const double twist_rate[3], double redundant_acceleration, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
+static inline void krhpr_platform_planar_a_end_acceleration(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    const double twist[3], double redundant_rate, const double twist_rate[3], double redundant_acceleration,
+    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -156,7 +172,9 @@ static inline void krhpr_platform_planar_a_end_acceleration(const krhpr_platform
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (19 add, 21 multiply) */
-static inline void krhpr_platform_planar_a_row_bias(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
+static inline void krhpr_platform_planar_a_row_bias(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -171,7 +189,9 @@ static inline void krhpr_platform_planar_a_row_bias(const krhpr_platform_planar_
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (10 add, 14 multiply) */
-static inline void krhpr_platform_planar_a_joint(const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_platform_planar_a_joint(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
+    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
@@ -187,7 +207,9 @@ static inline void krhpr_platform_planar_a_joint(const krhpr_platform_planar_a_g
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
-static inline void krhpr_platform_planar_a_solve(const double Q[4], const double line[9], const double point[6], const double rate[3], double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_platform_planar_a_solve(
+    const double Q[4], const double line[9], const double point[6], const double rate[3],
+    double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = line[4] * line[8] - line[5] * line[7];
     const double t2 = line[5] * line[6] - line[3] * line[8];
@@ -213,7 +235,9 @@ static inline void krhpr_platform_planar_a_solve(const double Q[4], const double
 
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 15 multiply, 1 divide) */
-static inline void krhpr_platform_planar_a_type_2(const double line[9], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+static inline void krhpr_platform_planar_a_type_2(
+    const double line[9], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins)
 {
     (void)(point);
     const double t1 = line[0] * (line[4] * line[8] - line[5] * line[7]) + line[1] * (line[5] * line[6] - line[3] * line[8]);

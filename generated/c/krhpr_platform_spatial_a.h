@@ -41,7 +41,9 @@ static inline void krhpr_platform_spatial_a_end_point_angles(double redundant, d
 }
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply) */
-static inline void krhpr_platform_spatial_a_end_point(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
+static inline void krhpr_platform_spatial_a_end_point(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double sine[1],
+    const double cosine[1], double *KRHPR_RESTRICT s)
 {
     const double l_c = g->l_r * cosine[0];
     const double l_s = g->l_r * sine[0];
@@ -54,7 +56,9 @@ static inline void krhpr_platform_spatial_a_end_point(const krhpr_platform_spati
 
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (15 add, 16 multiply) */
-static inline void krhpr_platform_spatial_a_redundant(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_platform_spatial_a_redundant(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -69,7 +73,9 @@ static inline void krhpr_platform_spatial_a_redundant(const krhpr_platform_spati
 }
 
 /* Residuals of the constraint equations.  Thesis: (1.1), (1.2).  (14 add, 13 multiply) */
-static inline void krhpr_platform_spatial_a_residual(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT residual)
+static inline void krhpr_platform_spatial_a_residual(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT residual)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -83,7 +89,9 @@ static inline void krhpr_platform_spatial_a_residual(const krhpr_platform_spatia
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (18 add, 18 multiply) */
-static inline void krhpr_platform_spatial_a_rows(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+static inline void krhpr_platform_spatial_a_rows(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -116,7 +124,10 @@ static inline void krhpr_platform_spatial_a_rows(const krhpr_platform_spatial_a_
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (31 add, 36 multiply) */
-static inline void krhpr_platform_spatial_a_line(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N, double *KRHPR_RESTRICT scale)
+static inline void krhpr_platform_spatial_a_line(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    double *KRHPR_RESTRICT scale)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -153,7 +164,9 @@ static inline void krhpr_platform_spatial_a_line(const krhpr_platform_spatial_a_
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (24 add, 21 multiply) */
-static inline void krhpr_platform_spatial_a_end_velocity(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], const double twist[6], double redundant_rate, double *KRHPR_RESTRICT s_dot)
+static inline void krhpr_platform_spatial_a_end_velocity(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    const double twist[6], double redundant_rate, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -173,7 +186,10 @@ static inline void krhpr_platform_spatial_a_end_velocity(const krhpr_platform_sp
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (72 add, 75 multiply) */
-static inline void krhpr_platform_spatial_a_end_acceleration(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], const double twist[6], double redundant_rate, const double twist_rate[6], double redundant_acceleration, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
+static inline void krhpr_platform_spatial_a_end_acceleration(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    const double twist[6], double redundant_rate, const double twist_rate[6], double redundant_acceleration,
+    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -221,7 +237,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration(const krhpr_platfor
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (67 add, 72 multiply) */
-static inline void krhpr_platform_spatial_a_row_bias(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
+static inline void krhpr_platform_spatial_a_row_bias(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -253,7 +271,9 @@ static inline void krhpr_platform_spatial_a_row_bias(const krhpr_platform_spatia
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (18 add, 25 multiply) */
-static inline void krhpr_platform_spatial_a_joint(const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_platform_spatial_a_joint(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
     const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
@@ -284,7 +304,9 @@ static inline void krhpr_platform_spatial_a_joint(const krhpr_platform_spatial_a
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
-static inline void krhpr_platform_spatial_a_solve(const double Q[9], const double line[18], const double point[6], const double rate[6], double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_platform_spatial_a_solve(
+    const double Q[9], const double line[18], const double point[6], const double rate[6],
+    double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = point[4] - point[2];
     const double t2 = point[2] * point[5];
@@ -330,7 +352,9 @@ static inline void krhpr_platform_spatial_a_solve(const double Q[9], const doubl
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4,
  * (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 20 multiply, 2 divide) */
-static inline void krhpr_platform_spatial_a_type_2(const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+static inline void krhpr_platform_spatial_a_type_2(
+    const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins)
 {
     const double t1 = line[0] * (line[7] * line[17] - line[11] * line[13]) + line[1] * (line[11] * line[12] - line[6] * line[17]);
     const double det_a = t1 + line[5] * (line[6] * line[13] - line[7] * line[12]); /* det J_a */

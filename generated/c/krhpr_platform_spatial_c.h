@@ -27,7 +27,9 @@ static inline void krhpr_platform_spatial_c_prepare(krhpr_platform_spatial_c_geo
 }
 
 /* End point of the sub-leg, arrangement (c).  Thesis: (1.37), 2.5.  (6 add, 9 multiply) */
-static inline void krhpr_platform_spatial_c_end_point(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], double redundant, double *KRHPR_RESTRICT s)
+static inline void krhpr_platform_spatial_c_end_point(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], double redundant,
+    double *KRHPR_RESTRICT s)
 {
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1];
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
@@ -38,7 +40,9 @@ static inline void krhpr_platform_spatial_c_end_point(const krhpr_platform_spati
 }
 
 /* Redundant coordinate: slide d_i of S_i along t_i = e_r, from O', signed.  (8 add, 9 multiply) */
-static inline void krhpr_platform_spatial_c_redundant(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT redundant)
+static inline void krhpr_platform_spatial_c_redundant(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT redundant)
 {
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1];
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
@@ -47,7 +51,9 @@ static inline void krhpr_platform_spatial_c_redundant(const krhpr_platform_spati
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.30), (2.31).  (10 add, 12 multiply) */
-static inline void krhpr_platform_spatial_c_residual(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT residual)
+static inline void krhpr_platform_spatial_c_residual(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT residual)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -60,7 +66,9 @@ static inline void krhpr_platform_spatial_c_residual(const krhpr_platform_spatia
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (12 add, 18 multiply) */
-static inline void krhpr_platform_spatial_c_rows(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+static inline void krhpr_platform_spatial_c_rows(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
     const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
     const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
@@ -90,7 +98,10 @@ static inline void krhpr_platform_spatial_c_rows(const krhpr_platform_spatial_c_
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (21 add, 30 multiply) */
-static inline void krhpr_platform_spatial_c_line(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N, double *KRHPR_RESTRICT scale)
+static inline void krhpr_platform_spatial_c_line(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    double *KRHPR_RESTRICT scale)
 {
     const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
     const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
@@ -124,7 +135,9 @@ static inline void krhpr_platform_spatial_c_line(const krhpr_platform_spatial_c_
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
-static inline void krhpr_platform_spatial_c_end_velocity(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], const double twist[6], double redundant_rate, double *KRHPR_RESTRICT s_dot)
+static inline void krhpr_platform_spatial_c_end_velocity(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    const double twist[6], double redundant_rate, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -141,7 +154,10 @@ static inline void krhpr_platform_spatial_c_end_velocity(const krhpr_platform_sp
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
-static inline void krhpr_platform_spatial_c_end_acceleration(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], const double twist[6], double redundant_rate, const double twist_rate[6], double redundant_acceleration, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
+static inline void krhpr_platform_spatial_c_end_acceleration(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    const double twist[6], double redundant_rate, const double twist_rate[6], double redundant_acceleration,
+    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -174,7 +190,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration(const krhpr_platfor
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (55 add, 72 multiply) */
-static inline void krhpr_platform_spatial_c_row_bias(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
+static inline void krhpr_platform_spatial_c_row_bias(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
     const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
     const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
@@ -200,7 +218,9 @@ static inline void krhpr_platform_spatial_c_row_bias(const krhpr_platform_spatia
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (11 add, 15 multiply) */
-static inline void krhpr_platform_spatial_c_joint(const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
+static inline void krhpr_platform_spatial_c_joint(
+    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
+    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
@@ -222,7 +242,9 @@ static inline void krhpr_platform_spatial_c_joint(const krhpr_platform_spatial_c
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
-static inline void krhpr_platform_spatial_c_solve(const double Q[9], const double line[18], const double point[6], const double rate[6], double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_platform_spatial_c_solve(
+    const double Q[9], const double line[18], const double point[6], const double rate[6],
+    double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = point[4] - point[2];
     const double t2 = point[2] * point[5];
@@ -268,7 +290,9 @@ static inline void krhpr_platform_spatial_c_solve(const double Q[9], const doubl
 /* Factors of det J and margins.  Free of type II singularities if all d_i >= 0 and at most one is zero (the
  * thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 +
  * d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1).  Thesis: 1.4, 2.3.2.  (10 add, 13 multiply) */
-static inline void krhpr_platform_spatial_c_type_2(const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+static inline void krhpr_platform_spatial_c_type_2(
+    const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins)
 {
     (void)(scale);
     const double t1 = line[0] * (line[7] * line[17] - line[11] * line[13]) + line[1] * (line[11] * line[12] - line[6] * line[17]);

@@ -7,7 +7,7 @@
 
 #include "krhpr_algebra_spatial.h"
 
-static const double mode_default[9] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+static const double mode_default[9] = {1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0};
 static const double assembly_default[3] = {1.0, 1.0, 1.0};
 
 int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g)
@@ -75,7 +75,8 @@ size_t krhpr_spatial_r_fivebar_a_geometry_size(void)
     return sizeof(krhpr_spatial_r_fivebar_a_geometry);
 }
 
-int krhpr_spatial_r_fivebar_a_rotation_error(const krhpr_spatial_r_fivebar_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
+int krhpr_spatial_r_fivebar_a_rotation_error(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
 {
     int status = KRHPR_OK;
     (void)g;
@@ -87,7 +88,10 @@ int krhpr_spatial_r_fivebar_a_rotation_error(const krhpr_spatial_r_fivebar_a_geo
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_rotation_error_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_rotation_error_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -100,7 +104,9 @@ int krhpr_spatial_r_fivebar_a_rotation_error_batch(const krhpr_spatial_r_fivebar
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_end_points(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
+int krhpr_spatial_r_fivebar_a_end_points(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
+    const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
@@ -120,11 +126,16 @@ int krhpr_spatial_r_fivebar_a_end_points(const krhpr_spatial_r_fivebar_a_geometr
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_end_points_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_end_points_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_end_points(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_end_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -133,7 +144,9 @@ int krhpr_spatial_r_fivebar_a_end_points_batch(const krhpr_spatial_r_fivebar_a_g
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_redundant_coordinates(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant)
+int krhpr_spatial_r_fivebar_a_redundant_coordinates(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
@@ -153,11 +166,16 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates(const krhpr_spatial_r_fiveba
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_redundant_coordinates(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_redundant_coordinates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -166,7 +184,9 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(const krhpr_spatial_r_
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_forward(const krhpr_spatial_r_fivebar_a_geometry *g, const double theta[9], const double assembly[3], double *KRHPR_RESTRICT s)
+int krhpr_spatial_r_fivebar_a_subleg_forward(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double theta[9], const double assembly[3],
+    double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -185,7 +205,8 @@ int krhpr_spatial_r_fivebar_a_subleg_forward(const krhpr_spatial_r_fivebar_a_geo
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_r_fivebar_forward(&g->subleg[i], assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_subleg_r_fivebar_forward(
+            &g->subleg[i], assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -196,11 +217,15 @@ int krhpr_spatial_r_fivebar_a_subleg_forward(const krhpr_spatial_r_fivebar_a_geo
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_forward_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_subleg_forward(g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_subleg_forward(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -209,7 +234,8 @@ int krhpr_spatial_r_fivebar_a_subleg_forward_batch(const krhpr_spatial_r_fivebar
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_inverse(const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_r_fivebar_a_subleg_inverse(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -221,7 +247,8 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse(const krhpr_spatial_r_fivebar_a_geo
     double tail_x[KRHPR_PADDED(42)] = {0.0};
     double tail[KRHPR_PADDED(42)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
+        krhpr_subleg_r_fivebar_inverse_all(
+            &g->subleg[i], s + 3 * i, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
     }
     krhpr_atan2_array(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -259,7 +286,10 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse(const krhpr_spatial_r_fivebar_a_geo
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -272,7 +302,9 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(const krhpr_spatial_r_fivebar
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_jacobian(const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
+int krhpr_spatial_r_fivebar_a_subleg_jacobian(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], const double theta[9],
+    double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
     double regularity[3];
@@ -293,7 +325,8 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian(const krhpr_spatial_r_fivebar_a_ge
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_jacobian(&g->subleg[i], x, e_2, d, u_1, u_2, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -305,11 +338,15 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian(const krhpr_spatial_r_fivebar_a_ge
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_subleg_jacobian(g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -318,7 +355,9 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(const krhpr_spatial_r_fiveba
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_constraints(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual)
+int krhpr_spatial_r_fivebar_a_constraints(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
@@ -331,11 +370,16 @@ int krhpr_spatial_r_fivebar_a_constraints(const krhpr_spatial_r_fivebar_a_geomet
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_constraints_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_constraints_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_constraints(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_constraints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -344,7 +388,9 @@ int krhpr_spatial_r_fivebar_a_constraints_batch(const krhpr_spatial_r_fivebar_a_
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_spatial_r_fivebar_a_jacobians(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     double regularity[3];
@@ -372,7 +418,8 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
         double u_2[2];
         double K_block[6];
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
@@ -390,11 +437,16 @@ int krhpr_spatial_r_fivebar_a_jacobians(const krhpr_spatial_r_fivebar_a_geometry
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobians_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_jacobians_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_jacobians(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_r_fivebar_a_jacobians(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -403,7 +455,9 @@ int krhpr_spatial_r_fivebar_a_jacobians_batch(const krhpr_spatial_r_fivebar_a_ge
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_spatial_r_fivebar_a_jacobian_blocks(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     double regularity[3];
@@ -427,7 +481,8 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_ge
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -440,11 +495,16 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks(const krhpr_spatial_r_fivebar_a_ge
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_jacobian_blocks(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_r_fivebar_a_jacobian_blocks(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -453,7 +513,9 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(const krhpr_spatial_r_fiveba
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_r_fivebar_a_inverse(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
+    const double redundant[3], const double mode[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -477,7 +539,8 @@ int krhpr_spatial_r_fivebar_a_inverse(const krhpr_spatial_r_fivebar_a_geometry *
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_r_fivebar_inverse(&g->subleg[i], s, mode + 3 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_subleg_r_fivebar_inverse(
+            &g->subleg[i], s, mode + 3 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -494,11 +557,16 @@ int krhpr_spatial_r_fivebar_a_inverse(const krhpr_spatial_r_fivebar_a_geometry *
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_inverse_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_inverse(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_inverse(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -507,7 +575,9 @@ int krhpr_spatial_r_fivebar_a_inverse_batch(const krhpr_spatial_r_fivebar_a_geom
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_all(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_r_fivebar_a_inverse_all(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
+    const double redundant[3], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -566,11 +636,16 @@ int krhpr_spatial_r_fivebar_a_inverse_all(const krhpr_spatial_r_fivebar_a_geomet
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_all_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_inverse_all_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_inverse_all(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_inverse_all(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -579,7 +654,9 @@ int krhpr_spatial_r_fivebar_a_inverse_all_batch(const krhpr_spatial_r_fivebar_a_
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_status(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[9], double *KRHPR_RESTRICT excess)
+int krhpr_spatial_r_fivebar_a_inverse_status(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
+    const double redundant[3], const double mode[9], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
     if (mode == NULL) {
@@ -609,11 +686,16 @@ int krhpr_spatial_r_fivebar_a_inverse_status(const krhpr_spatial_r_fivebar_a_geo
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_status_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_inverse_status_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_inverse_status(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_inverse_status(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -622,7 +704,9 @@ int krhpr_spatial_r_fivebar_a_inverse_status_batch(const krhpr_spatial_r_fivebar
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
+int krhpr_spatial_r_fivebar_a_twist(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
 {
     int status = KRHPR_OK;
     double line[18];
@@ -630,7 +714,8 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9) == 0.0)) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -650,9 +735,12 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
         double u_1[2];
         double u_2[2];
         double s_dot[3];
-        krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
+        krhpr_platform_spatial_a_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_velocity(
+            &g->subleg[i], x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -673,11 +761,16 @@ int krhpr_spatial_r_fivebar_a_twist(const krhpr_spatial_r_fivebar_a_geometry *g,
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_twist_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_twist_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_twist(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_twist(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -686,11 +779,15 @@ int krhpr_spatial_r_fivebar_a_twist_batch(const krhpr_spatial_r_fivebar_a_geomet
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot)
+int krhpr_spatial_r_fivebar_a_joint_rates(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3],
+    double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -708,9 +805,12 @@ int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geomet
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_spatial_a_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+        krhpr_platform_spatial_a_end_velocity(
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_rates(
+            &g->subleg[i], x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -721,11 +821,16 @@ int krhpr_spatial_r_fivebar_a_joint_rates(const krhpr_spatial_r_fivebar_a_geomet
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_rates_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_joint_rates_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_joint_rates(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_joint_rates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -734,7 +839,10 @@ int krhpr_spatial_r_fivebar_a_joint_rates_batch(const krhpr_spatial_r_fivebar_a_
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9], double *KRHPR_RESTRICT twist_rate)
+int krhpr_spatial_r_fivebar_a_platform_acceleration(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
+    double *KRHPR_RESTRICT twist_rate)
 {
     int status = KRHPR_OK;
     double line[18];
@@ -742,7 +850,8 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -766,10 +875,14 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
         double along[3];
         double s_ddot[3];
         double row_bias[2];
-        krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_velocity(&g->subleg[i], x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
+        krhpr_platform_spatial_a_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_r_fivebar_bias(
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_velocity(
+            &g->subleg[i], x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
@@ -792,11 +905,17 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(const krhpr_spatial_r_fiveba
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_platform_acceleration(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_platform_acceleration(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -805,11 +924,16 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(const krhpr_spatial_r_
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9], const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
+int krhpr_spatial_r_fivebar_a_joint_accelerations(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9],
+    const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
+          krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -831,11 +955,16 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_spatial_a_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_r_fivebar_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias);
+        krhpr_platform_spatial_a_end_acceleration(
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate,
+            redundant_acceleration[i], s_dot, s_ddot);
+        krhpr_subleg_r_fivebar_bias(
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_rates(&g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_rates(
+            &g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -846,11 +975,17 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations(const krhpr_spatial_r_fivebar_
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_joint_accelerations(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_joint_accelerations(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -859,7 +994,10 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(const krhpr_spatial_r_fi
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
+int krhpr_spatial_r_fivebar_a_passive_joints(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
+    double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -886,9 +1024,12 @@ int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geo
         double u_2[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_passive(&g->subleg[i], x, e_2, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_passive(
+            &g->subleg[i], x, e_2, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_spatial_a_joint(
+            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -901,11 +1042,17 @@ int krhpr_spatial_r_fivebar_a_passive_joints(const krhpr_spatial_r_fivebar_a_geo
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_passive_joints_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_passive_joints_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_passive_joints(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        const int here = krhpr_spatial_r_fivebar_a_passive_joints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -914,7 +1061,10 @@ int krhpr_spatial_r_fivebar_a_passive_joints_batch(const krhpr_spatial_r_fivebar
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_singularity(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors, double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+int krhpr_spatial_r_fivebar_a_singularity(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
+    double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
 {
     int status = KRHPR_OK;
     double line[18];
@@ -941,19 +1091,27 @@ int krhpr_spatial_r_fivebar_a_singularity(const krhpr_spatial_r_fivebar_a_geomet
         double u_1[2];
         double u_2[2];
         double N[6];
-        krhpr_subleg_r_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 4 * i);
-        krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+        krhpr_platform_spatial_a_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_singularity_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_singularity_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_singularity(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        const int here = krhpr_spatial_r_fivebar_a_singularity(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -964,7 +1122,9 @@ int krhpr_spatial_r_fivebar_a_singularity_batch(const krhpr_spatial_r_fivebar_a_
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_r_fivebar_a_inverse_near(const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_r_fivebar_a_inverse_near(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
+    const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[72];
@@ -996,11 +1156,16 @@ int krhpr_spatial_r_fivebar_a_inverse_near(const krhpr_spatial_r_fivebar_a_geome
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_near_batch(const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_r_fivebar_a_inverse_near_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_r_fivebar_a_inverse_near(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_r_fivebar_a_inverse_near(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -7,7 +7,7 @@
 
 #include "krhpr_algebra_spatial.h"
 
-static const double mode_default[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 
 int krhpr_spatial_rrr_a_prepare(krhpr_spatial_rrr_a_geometry *g)
 {
@@ -65,7 +65,8 @@ size_t krhpr_spatial_rrr_a_geometry_size(void)
     return sizeof(krhpr_spatial_rrr_a_geometry);
 }
 
-int krhpr_spatial_rrr_a_rotation_error(const krhpr_spatial_rrr_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
+int krhpr_spatial_rrr_a_rotation_error(
+    const krhpr_spatial_rrr_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
 {
     int status = KRHPR_OK;
     (void)g;
@@ -77,7 +78,9 @@ int krhpr_spatial_rrr_a_rotation_error(const krhpr_spatial_rrr_a_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_a_rotation_error_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_rotation_error_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -90,7 +93,9 @@ int krhpr_spatial_rrr_a_rotation_error_batch(const krhpr_spatial_rrr_a_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_a_end_points(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
+int krhpr_spatial_rrr_a_end_points(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
@@ -110,11 +115,15 @@ int krhpr_spatial_rrr_a_end_points(const krhpr_spatial_rrr_a_geometry *g, const 
     return status;
 }
 
-int krhpr_spatial_rrr_a_end_points_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_end_points_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_end_points(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_end_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -123,7 +132,9 @@ int krhpr_spatial_rrr_a_end_points_batch(const krhpr_spatial_rrr_a_geometry *g, 
     return first;
 }
 
-int krhpr_spatial_rrr_a_redundant_coordinates(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant)
+int krhpr_spatial_rrr_a_redundant_coordinates(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
@@ -143,11 +154,15 @@ int krhpr_spatial_rrr_a_redundant_coordinates(const krhpr_spatial_rrr_a_geometry
     return status;
 }
 
-int krhpr_spatial_rrr_a_redundant_coordinates_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_redundant_coordinates_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_redundant_coordinates(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_redundant_coordinates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -156,7 +171,8 @@ int krhpr_spatial_rrr_a_redundant_coordinates_batch(const krhpr_spatial_rrr_a_ge
     return first;
 }
 
-int krhpr_spatial_rrr_a_subleg_forward(const krhpr_spatial_rrr_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
+int krhpr_spatial_rrr_a_subleg_forward(
+    const krhpr_spatial_rrr_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(theta, 9) == 0.0)) {
@@ -176,7 +192,9 @@ int krhpr_spatial_rrr_a_subleg_forward(const krhpr_spatial_rrr_a_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_a_subleg_forward_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_subleg_forward_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -189,7 +207,8 @@ int krhpr_spatial_rrr_a_subleg_forward_batch(const krhpr_spatial_rrr_a_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_a_subleg_inverse(const krhpr_spatial_rrr_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_a_subleg_inverse(
+    const krhpr_spatial_rrr_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -227,7 +246,9 @@ int krhpr_spatial_rrr_a_subleg_inverse(const krhpr_spatial_rrr_a_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_a_subleg_inverse_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_subleg_inverse_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -240,7 +261,8 @@ int krhpr_spatial_rrr_a_subleg_inverse_batch(const krhpr_spatial_rrr_a_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_a_subleg_jacobian(const krhpr_spatial_rrr_a_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
+int krhpr_spatial_rrr_a_subleg_jacobian(
+    const krhpr_spatial_rrr_a_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -265,11 +287,14 @@ int krhpr_spatial_rrr_a_subleg_jacobian(const krhpr_spatial_rrr_a_geometry *g, c
     return status;
 }
 
-int krhpr_spatial_rrr_a_subleg_jacobian_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_subleg_jacobian_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_subleg_jacobian(g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -278,7 +303,9 @@ int krhpr_spatial_rrr_a_subleg_jacobian_batch(const krhpr_spatial_rrr_a_geometry
     return first;
 }
 
-int krhpr_spatial_rrr_a_constraints(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual)
+int krhpr_spatial_rrr_a_constraints(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
@@ -291,11 +318,15 @@ int krhpr_spatial_rrr_a_constraints(const krhpr_spatial_rrr_a_geometry *g, const
     return status;
 }
 
-int krhpr_spatial_rrr_a_constraints_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_constraints_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_constraints(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_constraints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -304,7 +335,9 @@ int krhpr_spatial_rrr_a_constraints_batch(const krhpr_spatial_rrr_a_geometry *g,
     return first;
 }
 
-int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_spatial_rrr_a_jacobians(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -340,11 +373,15 @@ int krhpr_spatial_rrr_a_jacobians(const krhpr_spatial_rrr_a_geometry *g, const d
     return status;
 }
 
-int krhpr_spatial_rrr_a_jacobians_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_jacobians_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_jacobians(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_rrr_a_jacobians(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -353,7 +390,9 @@ int krhpr_spatial_rrr_a_jacobians_batch(const krhpr_spatial_rrr_a_geometry *g, s
     return first;
 }
 
-int krhpr_spatial_rrr_a_jacobian_blocks(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_spatial_rrr_a_jacobian_blocks(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -381,11 +420,15 @@ int krhpr_spatial_rrr_a_jacobian_blocks(const krhpr_spatial_rrr_a_geometry *g, c
     return status;
 }
 
-int krhpr_spatial_rrr_a_jacobian_blocks_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_jacobian_blocks_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_jacobian_blocks(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_rrr_a_jacobian_blocks(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -394,7 +437,9 @@ int krhpr_spatial_rrr_a_jacobian_blocks_batch(const krhpr_spatial_rrr_a_geometry
     return first;
 }
 
-int krhpr_spatial_rrr_a_inverse(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_a_inverse(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double mode[6], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -418,7 +463,8 @@ int krhpr_spatial_rrr_a_inverse(const krhpr_spatial_rrr_a_geometry *g, const dou
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_rrr_inverse(&g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_subleg_rrr_inverse(
+            &g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -435,11 +481,15 @@ int krhpr_spatial_rrr_a_inverse(const krhpr_spatial_rrr_a_geometry *g, const dou
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_inverse_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_inverse(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_inverse(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -448,7 +498,9 @@ int krhpr_spatial_rrr_a_inverse_batch(const krhpr_spatial_rrr_a_geometry *g, siz
     return first;
 }
 
-int krhpr_spatial_rrr_a_inverse_all(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_a_inverse_all(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -495,11 +547,15 @@ int krhpr_spatial_rrr_a_inverse_all(const krhpr_spatial_rrr_a_geometry *g, const
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_all_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_inverse_all_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_inverse_all(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_inverse_all(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -508,7 +564,9 @@ int krhpr_spatial_rrr_a_inverse_all_batch(const krhpr_spatial_rrr_a_geometry *g,
     return first;
 }
 
-int krhpr_spatial_rrr_a_inverse_status(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT excess)
+int krhpr_spatial_rrr_a_inverse_status(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double mode[6], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
     if (mode == NULL) {
@@ -538,11 +596,15 @@ int krhpr_spatial_rrr_a_inverse_status(const krhpr_spatial_rrr_a_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_status_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_inverse_status_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_inverse_status(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_inverse_status(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -551,14 +613,17 @@ int krhpr_spatial_rrr_a_inverse_status_batch(const krhpr_spatial_rrr_a_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
+int krhpr_spatial_rrr_a_twist(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
 {
     int status = KRHPR_OK;
     double line[18];
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9) == 0.0)) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -577,7 +642,8 @@ int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const doubl
         double d[2];
         double v_1[2];
         double s_dot[3];
-        krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_a_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
@@ -595,11 +661,15 @@ int krhpr_spatial_rrr_a_twist(const krhpr_spatial_rrr_a_geometry *g, const doubl
     return status;
 }
 
-int krhpr_spatial_rrr_a_twist_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_twist_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_twist(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_twist(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -608,11 +678,15 @@ int krhpr_spatial_rrr_a_twist_batch(const krhpr_spatial_rrr_a_geometry *g, size_
     return first;
 }
 
-int krhpr_spatial_rrr_a_joint_rates(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot)
+int krhpr_spatial_rrr_a_joint_rates(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3],
+    double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -629,7 +703,8 @@ int krhpr_spatial_rrr_a_joint_rates(const krhpr_spatial_rrr_a_geometry *g, const
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_a_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
+        krhpr_platform_spatial_a_end_velocity(
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
@@ -642,11 +717,15 @@ int krhpr_spatial_rrr_a_joint_rates(const krhpr_spatial_rrr_a_geometry *g, const
     return status;
 }
 
-int krhpr_spatial_rrr_a_joint_rates_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_joint_rates_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_joint_rates(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_joint_rates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -655,14 +734,18 @@ int krhpr_spatial_rrr_a_joint_rates_batch(const krhpr_spatial_rrr_a_geometry *g,
     return first;
 }
 
-int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9], double *KRHPR_RESTRICT twist_rate)
+int krhpr_spatial_rrr_a_platform_acceleration(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
+    double *KRHPR_RESTRICT twist_rate)
 {
     int status = KRHPR_OK;
     double line[18];
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -685,8 +768,10 @@ int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry
         double along[3];
         double s_ddot[3];
         double row_bias[2];
-        krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
+        krhpr_platform_spatial_a_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_rrr_bias(
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
@@ -706,11 +791,16 @@ int krhpr_spatial_rrr_a_platform_acceleration(const krhpr_spatial_rrr_a_geometry
     return status;
 }
 
-int krhpr_spatial_rrr_a_platform_acceleration_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_platform_acceleration_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_platform_acceleration(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_platform_acceleration(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -719,11 +809,16 @@ int krhpr_spatial_rrr_a_platform_acceleration_batch(const krhpr_spatial_rrr_a_ge
     return first;
 }
 
-int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9], const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
+int krhpr_spatial_rrr_a_joint_accelerations(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9],
+    const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
+          krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -744,8 +839,11 @@ int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_a_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
+        krhpr_platform_spatial_a_end_acceleration(
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate,
+            redundant_acceleration[i], s_dot, s_ddot);
+        krhpr_subleg_rrr_bias(
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
@@ -759,11 +857,16 @@ int krhpr_spatial_rrr_a_joint_accelerations(const krhpr_spatial_rrr_a_geometry *
     return status;
 }
 
-int krhpr_spatial_rrr_a_joint_accelerations_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_joint_accelerations_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_joint_accelerations(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_joint_accelerations(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -772,7 +875,9 @@ int krhpr_spatial_rrr_a_joint_accelerations_batch(const krhpr_spatial_rrr_a_geom
     return first;
 }
 
-int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
+int krhpr_spatial_rrr_a_passive_joints(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -799,7 +904,8 @@ int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, co
         double redundant_link[9];
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_passive(&g->subleg[i], x, e_2, v_1, link);
-        krhpr_platform_spatial_a_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_joint(
+            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -809,11 +915,15 @@ int krhpr_spatial_rrr_a_passive_joints(const krhpr_spatial_rrr_a_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_a_passive_joints_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_passive_joints_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_passive_joints(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_rrr_a_passive_joints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -822,7 +932,10 @@ int krhpr_spatial_rrr_a_passive_joints_batch(const krhpr_spatial_rrr_a_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_a_singularity(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors, double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+int krhpr_spatial_rrr_a_singularity(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
+    double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
 {
     int status = KRHPR_OK;
     double line[18];
@@ -850,17 +963,23 @@ int krhpr_spatial_rrr_a_singularity(const krhpr_spatial_rrr_a_geometry *g, const
         double N[6];
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + 2 * i);
-        krhpr_platform_spatial_a_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+        krhpr_platform_spatial_a_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
 }
 
-int krhpr_spatial_rrr_a_singularity_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_singularity_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_singularity(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        const int here = krhpr_spatial_rrr_a_singularity(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -871,7 +990,9 @@ int krhpr_spatial_rrr_a_singularity_batch(const krhpr_spatial_rrr_a_geometry *g,
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_rrr_a_inverse_near(const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_a_inverse_near(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[36];
@@ -903,11 +1024,15 @@ int krhpr_spatial_rrr_a_inverse_near(const krhpr_spatial_rrr_a_geometry *g, cons
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_near_batch(const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_a_inverse_near_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_a_inverse_near(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_a_inverse_near(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

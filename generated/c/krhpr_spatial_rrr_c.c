@@ -7,7 +7,7 @@
 
 #include "krhpr_algebra_spatial.h"
 
-static const double mode_default[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 
 int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g)
 {
@@ -59,7 +59,8 @@ size_t krhpr_spatial_rrr_c_geometry_size(void)
     return sizeof(krhpr_spatial_rrr_c_geometry);
 }
 
-int krhpr_spatial_rrr_c_rotation_error(const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
+int krhpr_spatial_rrr_c_rotation_error(
+    const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
 {
     int status = KRHPR_OK;
     (void)g;
@@ -71,7 +72,9 @@ int krhpr_spatial_rrr_c_rotation_error(const krhpr_spatial_rrr_c_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_c_rotation_error_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_rotation_error_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -84,7 +87,9 @@ int krhpr_spatial_rrr_c_rotation_error_batch(const krhpr_spatial_rrr_c_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_c_end_points(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s)
+int krhpr_spatial_rrr_c_end_points(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
@@ -97,11 +102,15 @@ int krhpr_spatial_rrr_c_end_points(const krhpr_spatial_rrr_c_geometry *g, const 
     return status;
 }
 
-int krhpr_spatial_rrr_c_end_points_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_end_points_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_end_points(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_end_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -110,7 +119,9 @@ int krhpr_spatial_rrr_c_end_points_batch(const krhpr_spatial_rrr_c_geometry *g, 
     return first;
 }
 
-int krhpr_spatial_rrr_c_redundant_coordinates(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant)
+int krhpr_spatial_rrr_c_redundant_coordinates(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
@@ -123,11 +134,15 @@ int krhpr_spatial_rrr_c_redundant_coordinates(const krhpr_spatial_rrr_c_geometry
     return status;
 }
 
-int krhpr_spatial_rrr_c_redundant_coordinates_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_redundant_coordinates_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_redundant_coordinates(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_redundant_coordinates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -136,7 +151,8 @@ int krhpr_spatial_rrr_c_redundant_coordinates_batch(const krhpr_spatial_rrr_c_ge
     return first;
 }
 
-int krhpr_spatial_rrr_c_subleg_forward(const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
+int krhpr_spatial_rrr_c_subleg_forward(
+    const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(theta, 9) == 0.0)) {
@@ -156,7 +172,9 @@ int krhpr_spatial_rrr_c_subleg_forward(const krhpr_spatial_rrr_c_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_c_subleg_forward_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_subleg_forward_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -169,7 +187,8 @@ int krhpr_spatial_rrr_c_subleg_forward_batch(const krhpr_spatial_rrr_c_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_c_subleg_inverse(const krhpr_spatial_rrr_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_c_subleg_inverse(
+    const krhpr_spatial_rrr_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -207,7 +226,9 @@ int krhpr_spatial_rrr_c_subleg_inverse(const krhpr_spatial_rrr_c_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_c_subleg_inverse_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_subleg_inverse_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -220,7 +241,8 @@ int krhpr_spatial_rrr_c_subleg_inverse_batch(const krhpr_spatial_rrr_c_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_c_subleg_jacobian(const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
+int krhpr_spatial_rrr_c_subleg_jacobian(
+    const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -245,11 +267,14 @@ int krhpr_spatial_rrr_c_subleg_jacobian(const krhpr_spatial_rrr_c_geometry *g, c
     return status;
 }
 
-int krhpr_spatial_rrr_c_subleg_jacobian_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_subleg_jacobian_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_subleg_jacobian(g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -258,7 +283,9 @@ int krhpr_spatial_rrr_c_subleg_jacobian_batch(const krhpr_spatial_rrr_c_geometry
     return first;
 }
 
-int krhpr_spatial_rrr_c_constraints(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual)
+int krhpr_spatial_rrr_c_constraints(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
@@ -271,11 +298,15 @@ int krhpr_spatial_rrr_c_constraints(const krhpr_spatial_rrr_c_geometry *g, const
     return status;
 }
 
-int krhpr_spatial_rrr_c_constraints_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_constraints_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_constraints(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_constraints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -284,7 +315,9 @@ int krhpr_spatial_rrr_c_constraints_batch(const krhpr_spatial_rrr_c_geometry *g,
     return first;
 }
 
-int krhpr_spatial_rrr_c_jacobians(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_spatial_rrr_c_jacobians(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -320,11 +353,15 @@ int krhpr_spatial_rrr_c_jacobians(const krhpr_spatial_rrr_c_geometry *g, const d
     return status;
 }
 
-int krhpr_spatial_rrr_c_jacobians_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_jacobians_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_jacobians(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_rrr_c_jacobians(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -333,7 +370,9 @@ int krhpr_spatial_rrr_c_jacobians_batch(const krhpr_spatial_rrr_c_geometry *g, s
     return first;
 }
 
-int krhpr_spatial_rrr_c_jacobian_blocks(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+int krhpr_spatial_rrr_c_jacobian_blocks(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -361,11 +400,15 @@ int krhpr_spatial_rrr_c_jacobian_blocks(const krhpr_spatial_rrr_c_geometry *g, c
     return status;
 }
 
-int krhpr_spatial_rrr_c_jacobian_blocks_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_jacobian_blocks_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_jacobian_blocks(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_rrr_c_jacobian_blocks(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -374,7 +417,9 @@ int krhpr_spatial_rrr_c_jacobian_blocks_batch(const krhpr_spatial_rrr_c_geometry
     return first;
 }
 
-int krhpr_spatial_rrr_c_inverse(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_c_inverse(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double mode[6], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -391,7 +436,8 @@ int krhpr_spatial_rrr_c_inverse(const krhpr_spatial_rrr_c_geometry *g, const dou
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrr_inverse(&g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_subleg_rrr_inverse(
+            &g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -408,11 +454,15 @@ int krhpr_spatial_rrr_c_inverse(const krhpr_spatial_rrr_c_geometry *g, const dou
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_inverse_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_inverse(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_inverse(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -421,7 +471,9 @@ int krhpr_spatial_rrr_c_inverse_batch(const krhpr_spatial_rrr_c_geometry *g, siz
     return first;
 }
 
-int krhpr_spatial_rrr_c_inverse_all(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_c_inverse_all(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
     double radicand[3];
@@ -461,11 +513,15 @@ int krhpr_spatial_rrr_c_inverse_all(const krhpr_spatial_rrr_c_geometry *g, const
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_all_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_inverse_all_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_inverse_all(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_inverse_all(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -474,7 +530,9 @@ int krhpr_spatial_rrr_c_inverse_all_batch(const krhpr_spatial_rrr_c_geometry *g,
     return first;
 }
 
-int krhpr_spatial_rrr_c_inverse_status(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT excess)
+int krhpr_spatial_rrr_c_inverse_status(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double mode[6], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
     if (mode == NULL) {
@@ -497,11 +555,15 @@ int krhpr_spatial_rrr_c_inverse_status(const krhpr_spatial_rrr_c_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_status_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_inverse_status_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_inverse_status(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_inverse_status(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -510,14 +572,17 @@ int krhpr_spatial_rrr_c_inverse_status_batch(const krhpr_spatial_rrr_c_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_c_twist(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
+int krhpr_spatial_rrr_c_twist(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
 {
     int status = KRHPR_OK;
     double line[18];
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9) == 0.0)) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -536,7 +601,8 @@ int krhpr_spatial_rrr_c_twist(const krhpr_spatial_rrr_c_geometry *g, const doubl
         double d[2];
         double v_1[2];
         double s_dot[3];
-        krhpr_platform_spatial_c_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_c_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
@@ -554,11 +620,15 @@ int krhpr_spatial_rrr_c_twist(const krhpr_spatial_rrr_c_geometry *g, const doubl
     return status;
 }
 
-int krhpr_spatial_rrr_c_twist_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_twist_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_twist(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_twist(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -567,11 +637,15 @@ int krhpr_spatial_rrr_c_twist_batch(const krhpr_spatial_rrr_c_geometry *g, size_
     return first;
 }
 
-int krhpr_spatial_rrr_c_joint_rates(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot)
+int krhpr_spatial_rrr_c_joint_rates(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3],
+    double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -588,7 +662,8 @@ int krhpr_spatial_rrr_c_joint_rates(const krhpr_spatial_rrr_c_geometry *g, const
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_c_end_velocity(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
+        krhpr_platform_spatial_c_end_velocity(
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
@@ -601,11 +676,15 @@ int krhpr_spatial_rrr_c_joint_rates(const krhpr_spatial_rrr_c_geometry *g, const
     return status;
 }
 
-int krhpr_spatial_rrr_c_joint_rates_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_joint_rates_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_joint_rates(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_joint_rates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -614,14 +693,18 @@ int krhpr_spatial_rrr_c_joint_rates_batch(const krhpr_spatial_rrr_c_geometry *g,
     return first;
 }
 
-int krhpr_spatial_rrr_c_platform_acceleration(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9], double *KRHPR_RESTRICT twist_rate)
+int krhpr_spatial_rrr_c_platform_acceleration(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
+    double *KRHPR_RESTRICT twist_rate)
 {
     int status = KRHPR_OK;
     double line[18];
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -644,8 +727,10 @@ int krhpr_spatial_rrr_c_platform_acceleration(const krhpr_spatial_rrr_c_geometry
         double along[3];
         double s_ddot[3];
         double row_bias[2];
-        krhpr_platform_spatial_c_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
+        krhpr_platform_spatial_c_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_rrr_bias(
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
@@ -665,11 +750,16 @@ int krhpr_spatial_rrr_c_platform_acceleration(const krhpr_spatial_rrr_c_geometry
     return status;
 }
 
-int krhpr_spatial_rrr_c_platform_acceleration_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_platform_acceleration_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_platform_acceleration(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_platform_acceleration(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -678,11 +768,16 @@ int krhpr_spatial_rrr_c_platform_acceleration_batch(const krhpr_spatial_rrr_c_ge
     return first;
 }
 
-int krhpr_spatial_rrr_c_joint_accelerations(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9], const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
+int krhpr_spatial_rrr_c_joint_accelerations(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9],
+    const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) + krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_acceleration, 3) == 0.0)) {
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
+          krhpr_taint(redundant_acceleration, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -703,8 +798,11 @@ int krhpr_spatial_rrr_c_joint_accelerations(const krhpr_spatial_rrr_c_geometry *
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_c_end_acceleration(&g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate, redundant_acceleration[i], s_dot, s_ddot);
-        krhpr_subleg_rrr_bias(&g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
+        krhpr_platform_spatial_c_end_acceleration(
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate,
+            redundant_acceleration[i], s_dot, s_ddot);
+        krhpr_subleg_rrr_bias(
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
@@ -718,11 +816,16 @@ int krhpr_spatial_rrr_c_joint_accelerations(const krhpr_spatial_rrr_c_geometry *
     return status;
 }
 
-int krhpr_spatial_rrr_c_joint_accelerations_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_joint_accelerations_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_joint_accelerations(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6], in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_joint_accelerations(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -731,7 +834,9 @@ int krhpr_spatial_rrr_c_joint_accelerations_batch(const krhpr_spatial_rrr_c_geom
     return first;
 }
 
-int krhpr_spatial_rrr_c_passive_joints(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
+int krhpr_spatial_rrr_c_passive_joints(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
@@ -761,11 +866,15 @@ int krhpr_spatial_rrr_c_passive_joints(const krhpr_spatial_rrr_c_geometry *g, co
     return status;
 }
 
-int krhpr_spatial_rrr_c_passive_joints_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_passive_joints_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_passive_joints(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        const int here = krhpr_spatial_rrr_c_passive_joints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -774,7 +883,10 @@ int krhpr_spatial_rrr_c_passive_joints_batch(const krhpr_spatial_rrr_c_geometry 
     return first;
 }
 
-int krhpr_spatial_rrr_c_singularity(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors, double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
+int krhpr_spatial_rrr_c_singularity(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
+    double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
 {
     int status = KRHPR_OK;
     double line[18];
@@ -802,17 +914,23 @@ int krhpr_spatial_rrr_c_singularity(const krhpr_spatial_rrr_c_geometry *g, const
         double N[6];
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + 2 * i);
-        krhpr_platform_spatial_c_line(&g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+        krhpr_platform_spatial_c_line(
+            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
 }
 
-int krhpr_spatial_rrr_c_singularity_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_singularity_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_singularity(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        const int here = krhpr_spatial_rrr_c_singularity(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -823,7 +941,9 @@ int krhpr_spatial_rrr_c_singularity_batch(const krhpr_spatial_rrr_c_geometry *g,
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_rrr_c_inverse_near(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
+int krhpr_spatial_rrr_c_inverse_near(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
     const double turn = 6.283185307179586;
     double all[36];
@@ -855,11 +975,15 @@ int krhpr_spatial_rrr_c_inverse_near(const krhpr_spatial_rrr_c_geometry *g, cons
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_near_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+int krhpr_spatial_rrr_c_inverse_near_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrr_c_inverse_near(g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2], in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        const int here = krhpr_spatial_rrr_c_inverse_near(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

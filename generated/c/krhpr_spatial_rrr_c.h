@@ -47,10 +47,14 @@ size_t krhpr_spatial_rrr_c_geometry_size(void);
  *   in     Q (3 x 3, base frame): orientation, base from platform
  *   out    error (scalar): 0 for a rotation matrix
  */
-int krhpr_spatial_rrr_c_rotation_error(const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error);
+int krhpr_spatial_rrr_c_rotation_error(
+    const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error);
 /* Batch: in = Q (9); out = error (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_rotation_error_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_rotation_error_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* End points of the sub-legs from the pose and the redundant coordinates.  Thesis: (1.37), 2.5.
  *   in     p (3, m, base frame): position of O'
@@ -58,10 +62,15 @@ int krhpr_spatial_rrr_c_rotation_error_batch(const krhpr_spatial_rrr_c_geometry 
  *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  *   out    s (3 x 3, m, base frame): end points of the sub-legs
  */
-int krhpr_spatial_rrr_c_end_points(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT s);
+int krhpr_spatial_rrr_c_end_points(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    double *KRHPR_RESTRICT s);
 /* Batch: in = p (3), Q (9), redundant (3); out = s (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_end_points_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_end_points_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Redundant coordinates from the pose and the end points.  Thesis: 1.5.
  *   in     p (3, m, base frame): position of O'
@@ -69,20 +78,29 @@ int krhpr_spatial_rrr_c_end_points_batch(const krhpr_spatial_rrr_c_geometry *g, 
  *   in     s (3 x 3, m, base frame): end points of the sub-legs
  *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  */
-int krhpr_spatial_rrr_c_redundant_coordinates(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT redundant);
+int krhpr_spatial_rrr_c_redundant_coordinates(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT redundant);
 /* Batch: in = p (3), Q (9), s (9); out = redundant (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_redundant_coordinates_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_redundant_coordinates_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.  Thesis:
  * 3.5.
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    s (3 x 3, m, base frame): end point of the sub-leg, S_i
  */
-int krhpr_spatial_rrr_c_subleg_forward(const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s);
+int krhpr_spatial_rrr_c_subleg_forward(
+    const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s);
 /* Batch: in = theta (9); out = s (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_subleg_forward_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_subleg_forward_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
@@ -90,20 +108,29 @@ int krhpr_spatial_rrr_c_subleg_forward_batch(const krhpr_spatial_rrr_c_geometry 
  *   out    theta (3 x 4 x 3, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
-int krhpr_spatial_rrr_c_subleg_inverse(const krhpr_spatial_rrr_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta);
+int krhpr_spatial_rrr_c_subleg_inverse(
+    const krhpr_spatial_rrr_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = s (9); out = theta (36); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_subleg_inverse_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_subleg_inverse_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.  Thesis: (1.16), (2.15).
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    M (3 x 3 x 3, mixed, base frame): Jacobian of the sub-leg
  */
-int krhpr_spatial_rrr_c_subleg_jacobian(const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M);
+int krhpr_spatial_rrr_c_subleg_jacobian(
+    const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9],
+    double *KRHPR_RESTRICT M);
 /* Batch: in = s (9), theta (9); out = M (27); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_subleg_jacobian_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_subleg_jacobian_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N
  * s_dot.  Thesis: (2.30), (2.31).
@@ -112,10 +139,15 @@ int krhpr_spatial_rrr_c_subleg_jacobian_batch(const krhpr_spatial_rrr_c_geometry
  *   in     s (3 x 3, m, base frame): end points of the sub-legs
  *   out    residual (6, mixed): residuals of the constraint equations
  */
-int krhpr_spatial_rrr_c_constraints(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], double *KRHPR_RESTRICT residual);
+int krhpr_spatial_rrr_c_constraints(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    double *KRHPR_RESTRICT residual);
 /* Batch: in = p (3), Q (9), s (9); out = residual (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_constraints_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_constraints_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* J and K of J t = K theta_dot.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (3, m, base frame): position of O'
@@ -125,10 +157,15 @@ int krhpr_spatial_rrr_c_constraints_batch(const krhpr_spatial_rrr_c_geometry *g,
  *   out    J (6 x 6, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (6 x 9, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
  */
-int krhpr_spatial_rrr_c_jacobians(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
+int krhpr_spatial_rrr_c_jacobians(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = J (36), K (54); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_jacobians_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_jacobians_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* J, and K as the legs' blocks without the zeros.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (3, m, base frame): position of O'
@@ -138,10 +175,15 @@ int krhpr_spatial_rrr_c_jacobians_batch(const krhpr_spatial_rrr_c_geometry *g, s
  *   out    J (6 x 6, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 2 x 3, mixed, base frame): the legs' blocks of K
  */
-int krhpr_spatial_rrr_c_jacobian_blocks(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
+int krhpr_spatial_rrr_c_jacobian_blocks(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = J (36), K (18); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_jacobian_blocks_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_jacobian_blocks_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (3, m, base frame): position of O'
@@ -150,10 +192,15 @@ int krhpr_spatial_rrr_c_jacobian_blocks_batch(const krhpr_spatial_rrr_c_geometry
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  */
-int krhpr_spatial_rrr_c_inverse(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT theta);
+int krhpr_spatial_rrr_c_inverse(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double mode[6], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3), mode (6); out = theta (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_inverse_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Actuated joints in every working mode; NaN where a mode does not exist.  Thesis: 1.5, 2.5, App. B.
  *   in     p (3, m, base frame): position of O'
@@ -162,10 +209,15 @@ int krhpr_spatial_rrr_c_inverse_batch(const krhpr_spatial_rrr_c_geometry *g, siz
  *   out    theta (3 x 4 x 3, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
-int krhpr_spatial_rrr_c_inverse_all(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], double *KRHPR_RESTRICT theta);
+int krhpr_spatial_rrr_c_inverse_all(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3); out = theta (36); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_all_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_inverse_all_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.  Thesis:
  * 1.8.
@@ -177,10 +229,15 @@ int krhpr_spatial_rrr_c_inverse_all_batch(const krhpr_spatial_rrr_c_geometry *g,
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3]
  */
-int krhpr_spatial_rrr_c_inverse_near(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta);
+int krhpr_spatial_rrr_c_inverse_near(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double theta_near[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3), theta_near (9); out = theta (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_near_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_inverse_near_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Which leg cannot reach its end point, and by how much.  Thesis: 1.5.
  *   in     p (3, m, base frame): position of O'
@@ -189,10 +246,15 @@ int krhpr_spatial_rrr_c_inverse_near_batch(const krhpr_spatial_rrr_c_geometry *g
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
-int krhpr_spatial_rrr_c_inverse_status(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3], const double mode[6], double *KRHPR_RESTRICT excess);
+int krhpr_spatial_rrr_c_inverse_status(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
+    const double mode[6], double *KRHPR_RESTRICT excess);
 /* Batch: in = p (3), Q (9), redundant (3), mode (6); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_status_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_inverse_status_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.  Thesis: (1.30).
  *   in     p (3, m, base frame): position of O'
@@ -203,10 +265,15 @@ int krhpr_spatial_rrr_c_inverse_status_batch(const krhpr_spatial_rrr_c_geometry 
  *          theta_3]
  *   out    twist (6, m/s, rad/s, base frame): twist [p_dot, omega]
  */
-int krhpr_spatial_rrr_c_twist(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist);
+int krhpr_spatial_rrr_c_twist(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist);
 /* Batch: in = p (3), Q (9), s (9), theta (9), theta_dot (9); out = twist (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_twist_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_twist_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Rates of the actuated joints from the twist and the rates of the redundant coordinates.  Thesis: (1.30),
  * (1.9).
@@ -219,10 +286,16 @@ int krhpr_spatial_rrr_c_twist_batch(const krhpr_spatial_rrr_c_geometry *g, size_
  *   out    theta_dot (3 x 3, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2,
  *          theta_3]
  */
-int krhpr_spatial_rrr_c_joint_rates(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], double *KRHPR_RESTRICT theta_dot);
+int krhpr_spatial_rrr_c_joint_rates(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3],
+    double *KRHPR_RESTRICT theta_dot);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rate (3); out = theta_dot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_joint_rates_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_joint_rates_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.
  * Thesis: (1.30) differentiated.
@@ -237,10 +310,16 @@ int krhpr_spatial_rrr_c_joint_rates_batch(const krhpr_spatial_rrr_c_geometry *g,
  *          [theta_1, theta_2, theta_3]
  *   out    twist_rate (6, m/s^2, rad/s^2, base frame): rate of the twist
  */
-int krhpr_spatial_rrr_c_platform_acceleration(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9], double *KRHPR_RESTRICT twist_rate);
+int krhpr_spatial_rrr_c_platform_acceleration(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
+    double *KRHPR_RESTRICT twist_rate);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), theta_dot (9), theta_ddot (9); out = twist_rate (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_platform_acceleration_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_platform_acceleration_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.
  * Thesis: (1.30) differentiated.
@@ -257,10 +336,16 @@ int krhpr_spatial_rrr_c_platform_acceleration_batch(const krhpr_spatial_rrr_c_ge
  *   out    theta_ddot (3 x 3, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2, theta_3]
  */
-int krhpr_spatial_rrr_c_joint_accelerations(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9], const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot);
+int krhpr_spatial_rrr_c_joint_accelerations(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9],
+    const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rate (3), theta_dot (9), twist_rate (6), redundant_acceleration (3); out = theta_ddot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_joint_accelerations_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_joint_accelerations_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Every passive joint, from the base to the platform.
  *   in     p (3, m, base frame): position of O'
@@ -271,10 +356,15 @@ int krhpr_spatial_rrr_c_joint_accelerations_batch(const krhpr_spatial_rrr_c_geom
  *          S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
  *   out    platform_joint (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  */
-int krhpr_spatial_rrr_c_passive_joints(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint);
+int krhpr_spatial_rrr_c_passive_joints(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_passive_joints_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_passive_joints_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says
@@ -290,10 +380,16 @@ int krhpr_spatial_rrr_c_passive_joints_batch(const krhpr_spatial_rrr_c_geometry 
  *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
  *   out    margins (2, mixed): det J_a (m) and det J_n (m^2): positive while all d_i > 0 [det J_a, det J_n]
  */
-int krhpr_spatial_rrr_c_singularity(const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9], const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors, double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
+int krhpr_spatial_rrr_c_singularity(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
+    double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (6), type_2 (2), margins (2); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_singularity_batch(const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+int krhpr_spatial_rrr_c_singularity_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
 
 #ifdef __cplusplus
 }

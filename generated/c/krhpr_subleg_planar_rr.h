@@ -48,7 +48,9 @@ static inline void krhpr_subleg_planar_rr_forward_angles(const double theta[2], 
 }
 
 /* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_forward(const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s)
+static inline void krhpr_subleg_planar_rr_forward(
+    const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2],
+    double *KRHPR_RESTRICT s)
 {
     const double u_2_0 = g->l_2 * cosine[0]; /* second link */
     const double u_2_1 = g->l_2 * sine[0];
@@ -59,14 +61,17 @@ static inline void krhpr_subleg_planar_rr_forward(const krhpr_subleg_planar_rr_g
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
-static inline void krhpr_subleg_planar_rr_forward_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+static inline void krhpr_subleg_planar_rr_forward_posture_angles(
+    const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
 }
 
 /* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_forward_posture(const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+static inline void krhpr_subleg_planar_rr_forward_posture(
+    const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2],
+    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
 {
     const double u_2_0 = g->l_2 * cosine[0]; /* second link */
     const double u_2_1 = g->l_2 * sine[0];
@@ -82,7 +87,9 @@ static inline void krhpr_subleg_planar_rr_forward_posture(const krhpr_subleg_pla
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
-static inline void krhpr_subleg_planar_rr_inverse(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_planar_rr_inverse(
+    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1],
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
@@ -102,7 +109,9 @@ static inline void krhpr_subleg_planar_rr_inverse(const krhpr_subleg_planar_rr_g
 
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
-static inline void krhpr_subleg_planar_rr_inverse_all(const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_planar_rr_inverse_all(
+    const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
@@ -133,7 +142,9 @@ static inline void krhpr_subleg_planar_rr_inverse_all(const krhpr_subleg_planar_
 
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square
  * root, 1 select) */
-static inline void krhpr_subleg_planar_rr_reach(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1], double *KRHPR_RESTRICT excess)
+static inline void krhpr_subleg_planar_rr_reach(
+    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1],
+    double *KRHPR_RESTRICT excess)
 {
     (void)(mode);
     const double d_0 = s[0] - g->o[0];
@@ -150,7 +161,9 @@ static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], 
 
 /* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4 add, 2
  * multiply) */
-static inline void krhpr_subleg_planar_rr_posture(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+static inline void krhpr_subleg_planar_rr_posture(
+    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1],
+    const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
 {
     const double d_0 = s[0] - g->o[0];
     const double d_1 = s[1] - g->o[1];
@@ -161,7 +174,9 @@ static inline void krhpr_subleg_planar_rr_posture(const krhpr_subleg_planar_rr_g
 }
 
 /* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
-static inline void krhpr_subleg_planar_rr_jacobian(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], double *KRHPR_RESTRICT M)
+static inline void krhpr_subleg_planar_rr_jacobian(
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2],
+    double *KRHPR_RESTRICT M)
 {
     (void)(g);
     const double m_00 = -d[1];
@@ -174,7 +189,9 @@ static inline void krhpr_subleg_planar_rr_jacobian(const krhpr_subleg_planar_rr_
 
 /* Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_project(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double N[2], double *KRHPR_RESTRICT K)
+static inline void krhpr_subleg_planar_rr_project(
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double N[2],
+    double *KRHPR_RESTRICT K)
 {
     (void)(g);
     K[0] = d[0] * N[1] - d[1] * N[0];
@@ -182,7 +199,9 @@ static inline void krhpr_subleg_planar_rr_project(const krhpr_subleg_planar_rr_g
 }
 
 /* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_velocity(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
+static inline void krhpr_subleg_planar_rr_velocity(
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2],
+    const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
     const double w_0 = -(d[1] * theta_dot[0] + u_2[1] * theta_dot[1]);
@@ -199,7 +218,9 @@ static inline void krhpr_subleg_planar_rr_bias_angles(const double theta[2], dou
 
 /* Velocity of the end point of the RR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14 multiply) */
-static inline void krhpr_subleg_planar_rr_bias(const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta_dot[2], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+static inline void krhpr_subleg_planar_rr_bias(
+    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta_dot[2],
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
@@ -216,7 +237,9 @@ static inline void krhpr_subleg_planar_rr_bias(const krhpr_subleg_planar_rr_geom
 
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_rr_rates(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_subleg_planar_rr_rates(
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double s_dot[2],
+    double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double det = d[0] * u_2[1] - d[1] * u_2[0]; /* l_1 l_2 sin(theta_2) */
     const double t1 = 1.0 / det;
@@ -226,7 +249,9 @@ static inline void krhpr_subleg_planar_rr_rates(const krhpr_subleg_planar_rr_geo
 }
 
 /* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
-static inline void krhpr_subleg_planar_rr_determinant(const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+static inline void krhpr_subleg_planar_rr_determinant(
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2],
+    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double det = d[0] * u_2[1] - d[1] * u_2[0];
     *det_M = det;
@@ -234,7 +259,8 @@ static inline void krhpr_subleg_planar_rr_determinant(const krhpr_subleg_planar_
 }
 
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
-static inline void krhpr_subleg_planar_rr_passive(const krhpr_subleg_planar_rr_geometry *g, const double u_2[2], double *KRHPR_RESTRICT link)
+static inline void krhpr_subleg_planar_rr_passive(
+    const krhpr_subleg_planar_rr_geometry *g, const double u_2[2], double *KRHPR_RESTRICT link)
 {
     link[0] = u_2[0] * g->k[6];
     link[1] = u_2[1] * g->k[6];

@@ -90,7 +90,9 @@ static inline void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], 
 
 /* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 28 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+static inline void krhpr_subleg_r_fivebar_forward(
+    const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3],
+    const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -118,7 +120,8 @@ static inline void krhpr_subleg_r_fivebar_forward(const krhpr_subleg_r_fivebar_g
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_r_fivebar_forward_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+static inline void krhpr_subleg_r_fivebar_forward_posture_angles(
+    const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -127,7 +130,11 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_angles(const double th
 
 /* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 33
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
+static inline void krhpr_subleg_r_fivebar_forward_posture(
+    const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3],
+    const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2,
+    double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2,
+    double *KRHPR_RESTRICT radicand)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -168,7 +175,9 @@ static inline void krhpr_subleg_r_fivebar_forward_posture(const krhpr_subleg_r_f
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
-static inline void krhpr_subleg_r_fivebar_inverse(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_r_fivebar_inverse(
+    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3],
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -207,7 +216,9 @@ static inline void krhpr_subleg_r_fivebar_inverse(const krhpr_subleg_r_fivebar_g
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
  * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
  * square root, 7 select) */
-static inline void krhpr_subleg_r_fivebar_inverse_all(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_r_fivebar_inverse_all(
+    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -326,7 +337,9 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(const krhpr_subleg_r_fiveb
 
 /* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
  * divide, 4 square root, 3 select) */
-static inline void krhpr_subleg_r_fivebar_reach(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3], double *KRHPR_RESTRICT excess)
+static inline void krhpr_subleg_r_fivebar_reach(
+    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3],
+    double *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -362,7 +375,10 @@ static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], 
 
 /* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. B.  (11 add, 20
  * multiply) */
-static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
+static inline void krhpr_subleg_r_fivebar_posture(
+    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double sine[3],
+    const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
+    double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -386,7 +402,9 @@ static inline void krhpr_subleg_r_fivebar_posture(const krhpr_subleg_r_fivebar_g
 
 /* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
  * multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_r_fivebar_jacobian(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_subleg_r_fivebar_jacobian(
+    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
@@ -420,7 +438,10 @@ static inline void krhpr_subleg_r_fivebar_jacobian(const krhpr_subleg_r_fivebar_
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_r_fivebar_project(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_subleg_r_fivebar_project(
+    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K,
+    double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
@@ -457,7 +478,10 @@ static inline void krhpr_subleg_r_fivebar_project(const krhpr_subleg_r_fivebar_g
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_r_fivebar_velocity(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_subleg_r_fivebar_velocity(
+    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double u_1[2], const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot,
+    double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
@@ -491,7 +515,9 @@ static inline void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], dou
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147 multiply, 1 divide) */
-static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta_dot[3], const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+static inline void krhpr_subleg_r_fivebar_bias(
+    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta_dot[3],
+    const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -566,7 +592,10 @@ static inline void krhpr_subleg_r_fivebar_bias(const krhpr_subleg_r_fivebar_geom
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
-static inline void krhpr_subleg_r_fivebar_rates(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_subleg_r_fivebar_rates(
+    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double u_1[2], const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
+    double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
@@ -590,7 +619,9 @@ static inline void krhpr_subleg_r_fivebar_rates(const krhpr_subleg_r_fivebar_geo
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
  * 1.4.  (10 add, 15 multiply, 1 divide) */
-static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+static inline void krhpr_subleg_r_fivebar_determinant(
+    const krhpr_subleg_r_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
+    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
@@ -609,7 +640,10 @@ static inline void krhpr_subleg_r_fivebar_determinant(const krhpr_subleg_r_fiveb
 }
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
-static inline void krhpr_subleg_r_fivebar_passive(const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_r_fivebar_passive(
+    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];

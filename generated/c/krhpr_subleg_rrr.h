@@ -69,7 +69,9 @@ static inline void krhpr_subleg_rrr_forward_angles(const double theta[3], double
 }
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 15 multiply) */
-static inline void krhpr_subleg_rrr_forward(const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s)
+static inline void krhpr_subleg_rrr_forward(
+    const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3],
+    double *KRHPR_RESTRICT s)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -84,7 +86,8 @@ static inline void krhpr_subleg_rrr_forward(const krhpr_subleg_rrr_geometry *g, 
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
-static inline void krhpr_subleg_rrr_forward_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+static inline void krhpr_subleg_rrr_forward_posture_angles(
+    const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1] + theta[2];
@@ -92,7 +95,10 @@ static inline void krhpr_subleg_rrr_forward_posture_angles(const double theta[3]
 }
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (12 add, 20 multiply) */
-static inline void krhpr_subleg_rrr_forward_posture(const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+static inline void krhpr_subleg_rrr_forward_posture(
+    const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3],
+    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
+    double *KRHPR_RESTRICT v_1)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -118,7 +124,9 @@ static inline void krhpr_subleg_rrr_forward_posture(const krhpr_subleg_rrr_geome
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root) */
-static inline void krhpr_subleg_rrr_inverse(const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_rrr_inverse(
+    const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2],
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -145,7 +153,9 @@ static inline void krhpr_subleg_rrr_inverse(const krhpr_subleg_rrr_geometry *g, 
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
  * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root) */
-static inline void krhpr_subleg_rrr_inverse_all(const krhpr_subleg_rrr_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+static inline void krhpr_subleg_rrr_inverse_all(
+    const krhpr_subleg_rrr_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
@@ -191,7 +201,9 @@ static inline void krhpr_subleg_rrr_inverse_all(const krhpr_subleg_rrr_geometry 
 
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 3 multiply, 1 square
  * root, 1 select) */
-static inline void krhpr_subleg_rrr_reach(const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2], double *KRHPR_RESTRICT excess)
+static inline void krhpr_subleg_rrr_reach(
+    const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2],
+    double *KRHPR_RESTRICT excess)
 {
     (void)(mode);
     const double d_0 = s[0] - g->c[0];
@@ -210,7 +222,10 @@ static inline void krhpr_subleg_rrr_posture_angles(const double theta[3], double
 
 /* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: 1.5, 2.5.  (13 add, 18
  * multiply) */
-static inline void krhpr_subleg_rrr_posture(const krhpr_subleg_rrr_geometry *g, const double s[3], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+static inline void krhpr_subleg_rrr_posture(
+    const krhpr_subleg_rrr_geometry *g, const double s[3], const double sine[2], const double cosine[2],
+    double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
+    double *KRHPR_RESTRICT v_1)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -233,7 +248,9 @@ static inline void krhpr_subleg_rrr_posture(const krhpr_subleg_rrr_geometry *g, 
 }
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 15 multiply) */
-static inline void krhpr_subleg_rrr_jacobian(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], double *KRHPR_RESTRICT M)
+static inline void krhpr_subleg_rrr_jacobian(
+    const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double v_1[2], double *KRHPR_RESTRICT M)
 {
     M[0] = -e_2[0] * d[0];
     M[1] = g->e_1[0] * d[0] - x[0] * d[1];
@@ -248,7 +265,9 @@ static inline void krhpr_subleg_rrr_jacobian(const krhpr_subleg_rrr_geometry *g,
 
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (16 add, 28 multiply) */
-static inline void krhpr_subleg_rrr_project(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double N[6], double *KRHPR_RESTRICT K)
+static inline void krhpr_subleg_rrr_project(
+    const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double v_1[2], const double N[6], double *KRHPR_RESTRICT K)
 {
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2];
     const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
@@ -265,7 +284,9 @@ static inline void krhpr_subleg_rrr_project(const krhpr_subleg_rrr_geometry *g, 
 }
 
 /* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (8 add, 14 multiply) */
-static inline void krhpr_subleg_rrr_velocity(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
+static inline void krhpr_subleg_rrr_velocity(
+    const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double v_1[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
     const double t1 = d[1] * theta_dot[1] + v_1[1] * theta_dot[2];
     const double w_1 = d[0] * theta_dot[1] + v_1[0] * theta_dot[2]; /* B theta_dot */
@@ -284,7 +305,9 @@ static inline void krhpr_subleg_rrr_bias_angles(const double theta[3], double *K
 
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81 multiply) */
-static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta_dot[3], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+static inline void krhpr_subleg_rrr_bias(
+    const krhpr_subleg_rrr_geometry *g, const double s[3], const double theta_dot[3], const double sine[2],
+    const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -326,7 +349,10 @@ static inline void krhpr_subleg_rrr_bias(const krhpr_subleg_rrr_geometry *g, con
 
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (9 add, 19 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_rrr_rates(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2], const double v_1[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+static inline void krhpr_subleg_rrr_rates(
+    const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2],
+    const double v_1[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
+    double *KRHPR_RESTRICT regularity)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* u_1 x v_1 = l_2 l_3 sin(theta_3) */
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
@@ -341,7 +367,9 @@ static inline void krhpr_subleg_rrr_rates(const krhpr_subleg_rrr_geometry *g, co
 
 /* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1 add, 5
  * multiply) */
-static inline void krhpr_subleg_rrr_determinant(const krhpr_subleg_rrr_geometry *g, const double d[2], const double v_1[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+static inline void krhpr_subleg_rrr_determinant(
+    const krhpr_subleg_rrr_geometry *g, const double d[2], const double v_1[2], double *KRHPR_RESTRICT det_M,
+    double *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0];
     *det_M = -d[0] * elbow;
@@ -350,7 +378,9 @@ static inline void krhpr_subleg_rrr_determinant(const krhpr_subleg_rrr_geometry 
 }
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
-static inline void krhpr_subleg_rrr_passive(const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double v_1[2], double *KRHPR_RESTRICT link)
+static inline void krhpr_subleg_rrr_passive(
+    const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double v_1[2],
+    double *KRHPR_RESTRICT link)
 {
     const double dir_0 = v_1[0] * g->k[7]; /* direction of the link in (x, e_1) */
     const double dir_1 = v_1[1] * g->k[7];

@@ -314,7 +314,8 @@ def twist(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
         d_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         s_dot_i = subleg.velocity(subleg.prepare(fields), d_i, u_2_i, call.leg("theta_dot", i))
         rate_i = algebra.rate(N_i, s_dot_i)
@@ -346,7 +347,9 @@ def joint_rates(geometry: Any) -> Any:
     theta_dot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_dot_i = platform.end_velocity(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i))
+        s_dot_i = platform.end_velocity(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i),
+            call.leg("redundant_rate", i))
         d_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         theta_dot_i, _regularity = subleg.rates(subleg.prepare(fields), d_i, u_2_i, s_dot_i)
         theta_dot += theta_dot_i
@@ -378,12 +381,15 @@ def platform_acceleration(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
-        s_dot_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        s_dot_i, bias_i = subleg.bias(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         d_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         along_i = subleg.velocity(subleg.prepare(fields), d_i, u_2_i, call.leg("theta_ddot", i))
         s_ddot_i = algebra.sum(along_i, bias_i)
-        row_bias_i = platform.row_bias(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i), s_dot_i)
+        row_bias_i = platform.row_bias(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i), s_dot_i)
         rate_i = algebra.rate_with_bias(N_i, s_ddot_i, row_bias_i)
         line += line_i
         point += point_i
@@ -417,8 +423,11 @@ def joint_accelerations(geometry: Any) -> Any:
     theta_ddot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        _s_dot, s_ddot_i = platform.end_acceleration(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
-        _s_dot_again, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        _s_dot, s_ddot_i = platform.end_acceleration(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i),
+            call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
+        _s_dot_again, bias_i = subleg.bias(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)
         d_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         theta_ddot_i, _regularity = subleg.rates(subleg.prepare(fields), d_i, u_2_i, along_i)
@@ -449,7 +458,8 @@ def passive_joints(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         _d, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         link_i = subleg.passive(subleg.prepare(fields), u_2_i)
-        redundant_link_i, platform_joint_i = platform.joint(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        redundant_link_i, platform_joint_i = platform.joint(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
         wrist_i = algebra.wrist(link_i, redundant_link_i)
         platform_joint += platform_joint_i
         wrist += wrist_i
@@ -486,7 +496,8 @@ def singularity(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         d_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), d_i, u_2_i)
-        line_i, point_i, _N, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        line_i, point_i, _N, scale_i = platform.line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
         type_1 += type_1_i
         factors += factors_i
         line += line_i

@@ -164,7 +164,9 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
     )
 
 
-def end_acceleration(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any, redundant_acceleration: Any) -> tuple[Any, ...]:
+def end_acceleration(
+    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any,
+    redundant_acceleration: Any) -> tuple[Any, ...]:
     """Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply)"""
     p_0, p_1 = p
     Q_00, Q_01, Q_10, Q_11 = Q

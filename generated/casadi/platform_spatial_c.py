@@ -179,7 +179,9 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
     )
 
 
-def end_acceleration(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any, redundant_acceleration: Any) -> tuple[Any, ...]:
+def end_acceleration(
+    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any,
+    redundant_acceleration: Any) -> tuple[Any, ...]:
     """Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q

@@ -60,7 +60,8 @@ def end_points(geometry: Any) -> Any:
     s: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         s += s_i
     return call.function({"s": s})
 
@@ -82,7 +83,8 @@ def redundant_coordinates(geometry: Any) -> Any:
     redundant: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        redundant_i = platform.redundant(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        redundant_i = platform.redundant(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         redundant += redundant_i
     return call.function({"redundant": redundant})
 
@@ -145,7 +147,8 @@ def subleg_jacobian(geometry: Any) -> Any:
     M: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         M_i, _regularity = subleg.jacobian(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i)
         M += M_i
     return call.function({"M": M})
@@ -169,7 +172,8 @@ def constraints(geometry: Any) -> Any:
     residual: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        residual_i = platform.residual(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        residual_i = platform.residual(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         residual += residual_i
     return call.function({"residual": residual})
 
@@ -194,8 +198,10 @@ def jacobians(geometry: Any) -> Any:
     K: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        J_i, N_i = platform.rows(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        J_i, N_i = platform.rows(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         K_i, _regularity = subleg.project(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, N_i)
         J += J_i
         K += K_i
@@ -222,8 +228,10 @@ def jacobian_blocks(geometry: Any) -> Any:
     K: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        J_i, N_i = platform.rows(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        J_i, N_i = platform.rows(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         K_i, _regularity = subleg.project(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, N_i)
         J += J_i
         K += K_i
@@ -248,7 +256,8 @@ def inverse(geometry: Any) -> Any:
     theta: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         theta_i, _radicand = subleg.inverse(subleg.prepare(fields), s_i, call.leg("mode", i))
         theta += theta_i
     return call.function({"theta": theta})
@@ -271,7 +280,8 @@ def inverse_all(geometry: Any) -> Any:
     theta: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         theta_i, _radicand = subleg.inverse_all(subleg.prepare(fields), s_i)
         theta += theta_i
     return call.function({"theta": theta})
@@ -295,7 +305,8 @@ def inverse_status(geometry: Any) -> Any:
     excess: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         excess_i = subleg.reach(subleg.prepare(fields), s_i, call.leg("mode", i))
         excess += excess_i
     return call.function({"excess": excess})
@@ -322,9 +333,12 @@ def twist(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        s_dot_i, _regularity = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, call.leg("theta_dot", i))
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        s_dot_i, _regularity = subleg.velocity(
+            subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, call.leg("theta_dot", i))
         rate_i = algebra.rate(N_i, s_dot_i)
         line += line_i
         point += point_i
@@ -353,9 +367,13 @@ def joint_rates(geometry: Any) -> Any:
     theta_dot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_dot_i = platform.end_velocity(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i))
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        theta_dot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, s_dot_i)
+        s_dot_i = platform.end_velocity(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
+            call.leg("twist", i), call.leg("redundant_rate", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        theta_dot_i, _regularity = subleg.rates(
+            subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, s_dot_i)
         theta_dot += theta_dot_i
     return call.function({"theta_dot": theta_dot})
 
@@ -384,12 +402,18 @@ def platform_acceleration(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        s_dot_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        along_i, _regularity = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, call.leg("theta_ddot", i))
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        s_dot_i, bias_i = subleg.bias(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        along_i, _regularity = subleg.velocity(
+            subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, call.leg("theta_ddot", i))
         s_ddot_i = algebra.sum(along_i, bias_i)
-        row_bias_i = platform.row_bias(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), s_dot_i)
+        row_bias_i = platform.row_bias(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
+            call.leg("twist", i), s_dot_i)
         rate_i = algebra.rate_with_bias(N_i, s_ddot_i, row_bias_i)
         line += line_i
         point += point_i
@@ -422,11 +446,17 @@ def joint_accelerations(geometry: Any) -> Any:
     theta_ddot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        _s_dot, s_ddot_i = platform.end_acceleration(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
-        _s_dot_again, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        _s_dot, s_ddot_i = platform.end_acceleration(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
+            call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i),
+            call.leg("redundant_acceleration", i))
+        _s_dot_again, bias_i = subleg.bias(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        theta_ddot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, along_i)
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        theta_ddot_i, _regularity = subleg.rates(
+            subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i, along_i)
         theta_ddot += theta_ddot_i
     return call.function({"theta_ddot": theta_ddot})
 
@@ -453,9 +483,11 @@ def passive_joints(geometry: Any) -> Any:
     spherical: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         passive_i, link_i = subleg.passive(subleg.prepare(fields), x_i, e_2_i, d_i, u_1_i, u_2_i)
-        redundant_link_i, platform_joint_i = platform.joint(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        redundant_link_i, platform_joint_i = platform.joint(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         spherical_i = algebra.wrist(link_i, redundant_link_i)
         passive += passive_i
         platform_joint += platform_joint_i
@@ -491,9 +523,11 @@ def singularity(geometry: Any) -> Any:
     scale: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        _x, _e_2, d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        _x, _e_2, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), d_i, u_1_i, u_2_i)
-        line_i, point_i, _N, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        line_i, point_i, _N, scale_i = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         type_1 += type_1_i
         factors += factors_i
         line += line_i

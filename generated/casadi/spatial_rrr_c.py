@@ -60,7 +60,8 @@ def end_points(geometry: Any) -> Any:
     s: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         s += s_i
     return call.function({"s": s})
 
@@ -82,7 +83,8 @@ def redundant_coordinates(geometry: Any) -> Any:
     redundant: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        redundant_i = platform.redundant(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        redundant_i = platform.redundant(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         redundant += redundant_i
     return call.function({"redundant": redundant})
 
@@ -144,7 +146,8 @@ def subleg_jacobian(geometry: Any) -> Any:
     M: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         M_i = subleg.jacobian(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i)
         M += M_i
     return call.function({"M": M})
@@ -168,7 +171,8 @@ def constraints(geometry: Any) -> Any:
     residual: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        residual_i = platform.residual(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        residual_i = platform.residual(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         residual += residual_i
     return call.function({"residual": residual})
 
@@ -193,8 +197,10 @@ def jacobians(geometry: Any) -> Any:
     K: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        J_i, N_i = platform.rows(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        J_i, N_i = platform.rows(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         K_i = subleg.project(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, N_i)
         J += J_i
         K += K_i
@@ -221,8 +227,10 @@ def jacobian_blocks(geometry: Any) -> Any:
     K: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        J_i, N_i = platform.rows(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        J_i, N_i = platform.rows(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         K_i = subleg.project(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, N_i)
         J += J_i
         K += K_i
@@ -247,7 +255,8 @@ def inverse(geometry: Any) -> Any:
     theta: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         theta_i, _radicand = subleg.inverse(subleg.prepare(fields), s_i, call.leg("mode", i))
         theta += theta_i
     return call.function({"theta": theta})
@@ -270,7 +279,8 @@ def inverse_all(geometry: Any) -> Any:
     theta: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         theta_i, _radicand = subleg.inverse_all(subleg.prepare(fields), s_i)
         theta += theta_i
     return call.function({"theta": theta})
@@ -294,7 +304,8 @@ def inverse_status(geometry: Any) -> Any:
     excess: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
+        s_i = platform.end_point(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
         excess_i = subleg.reach(subleg.prepare(fields), s_i, call.leg("mode", i))
         excess += excess_i
     return call.function({"excess": excess})
@@ -321,8 +332,10 @@ def twist(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         s_dot_i = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, call.leg("theta_dot", i))
         rate_i = algebra.rate(N_i, s_dot_i)
         line += line_i
@@ -352,8 +365,11 @@ def joint_rates(geometry: Any) -> Any:
     theta_dot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        s_dot_i = platform.end_velocity(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i))
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        s_dot_i = platform.end_velocity(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
+            call.leg("twist", i), call.leg("redundant_rate", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         theta_dot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, s_dot_i)
         theta_dot += theta_dot_i
     return call.function({"theta_dot": theta_dot})
@@ -383,12 +399,17 @@ def platform_acceleration(geometry: Any) -> Any:
     rate: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        line_i, point_i, N_i, _scale = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        s_dot_i, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        s_dot_i, bias_i = subleg.bias(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         along_i = subleg.velocity(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, call.leg("theta_ddot", i))
         s_ddot_i = algebra.sum(along_i, bias_i)
-        row_bias_i = platform.row_bias(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), s_dot_i)
+        row_bias_i = platform.row_bias(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
+            call.leg("twist", i), s_dot_i)
         rate_i = algebra.rate_with_bias(N_i, s_ddot_i, row_bias_i)
         line += line_i
         point += point_i
@@ -421,10 +442,15 @@ def joint_accelerations(geometry: Any) -> Any:
     theta_ddot: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        _s_dot, s_ddot_i = platform.end_acceleration(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
-        _s_dot_again, bias_i = subleg.bias(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
+        _s_dot, s_ddot_i = platform.end_acceleration(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
+            call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i),
+            call.leg("redundant_acceleration", i))
+        _s_dot_again, bias_i = subleg.bias(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)
-        x_i, e_2_i, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        x_i, e_2_i, d_i, v_1_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         theta_ddot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, along_i)
         theta_ddot += theta_ddot_i
     return call.function({"theta_ddot": theta_ddot})
@@ -452,7 +478,8 @@ def passive_joints(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         x_i, e_2_i, _d, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         link_i = subleg.passive(subleg.prepare(fields), x_i, e_2_i, v_1_i)
-        redundant_link_i, platform_joint_i = platform.joint(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        redundant_link_i, platform_joint_i = platform.joint(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         spherical_i = algebra.wrist(link_i, redundant_link_i)
         platform_joint += platform_joint_i
         spherical += spherical_i
@@ -489,7 +516,8 @@ def singularity(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         _x, _e_2, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), d_i, v_1_i)
-        line_i, point_i, _N, scale_i = platform.line(platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        line_i, point_i, _N, scale_i = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         type_1 += type_1_i
         factors += factors_i
         line += line_i

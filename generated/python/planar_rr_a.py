@@ -437,7 +437,8 @@ def prepare(geometry: Geometry, dimensions: int = 0) -> SimpleNamespace:
     return SimpleNamespace(subleg=subleg.prepare(fields), platform=platform.prepare(fields))
 
 
-def end_points(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def end_points(
+    p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """End points of the sub-legs from the pose and the redundant coordinates.
 
     Thesis: (1.37), 2.5.
@@ -467,7 +468,8 @@ def end_points(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT
     return (answer, results[-1]) if status else answer
 
 
-def redundant_coordinates(p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def redundant_coordinates(
+    p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Redundant coordinates from the pose and the end points.
 
     Thesis: 1.5.
@@ -553,7 +555,8 @@ def subleg_inverse(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
     return (answer, results[-1]) if status else answer
 
 
-def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def subleg_jacobian(
+    s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.
 
     Thesis: (1.16), (2.15).
@@ -581,7 +584,8 @@ def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     return (answer, results[-1]) if status else answer
 
 
-def constraints(p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def constraints(
+    p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t
     - N s_dot.
 
@@ -611,7 +615,9 @@ def constraints(p: Any, phi: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMET
     return (answer, results[-1]) if status else answer
 
 
-def jacobians(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def jacobians(
+    p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """J and K of J t = K theta_dot.
 
     Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
@@ -647,7 +653,9 @@ def jacobians(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
     return (answer, results[-1]) if status else answer
 
 
-def jacobian_blocks(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def jacobian_blocks(
+    p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """J, and K as the legs' blocks without the zeros.
 
     Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
@@ -682,7 +690,9 @@ def jacobian_blocks(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry 
     return (answer, results[-1]) if status else answer
 
 
-def inverse(p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse(
+    p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Actuated joints in one working mode for each leg.
 
     Thesis: 1.5, 2.5, App. B.
@@ -719,7 +729,8 @@ def inverse(p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geo
     return (answer, results[-1]) if status else answer
 
 
-def inverse_all(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse_all(
+    p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in every working mode; NaN where a mode does not exist.
 
     Thesis: 1.5, 2.5, App. B.
@@ -753,7 +764,9 @@ def inverse_all(p: Any, phi: Any, redundant: Any, *, geometry: Geometry = DEFAUL
     return (answer, results[-1]) if status else answer
 
 
-def inverse_near(p: Any, phi: Any, redundant: Any, theta_near: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse_near(
+    p: Any, phi: Any, redundant: Any, theta_near: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.
 
     Thesis: 1.8.
@@ -782,7 +795,9 @@ def inverse_near(p: Any, phi: Any, redundant: Any, theta_near: Any, *, geometry:
     return (answer, results[-1]) if status else answer
 
 
-def inverse_status(p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse_status(
+    p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Which leg cannot reach its end point, and by how much.
 
     Thesis: 1.5.
@@ -819,7 +834,9 @@ def inverse_status(p: Any, phi: Any, redundant: Any, mode: Any = None, *, geomet
     return (answer, results[-1]) if status else answer
 
 
-def twist(p: Any, phi: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def twist(
+    p: Any, phi: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.
 
     Thesis: (1.30).
@@ -857,7 +874,9 @@ def twist(p: Any, phi: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geo
     return (answer, results[-1]) if status else answer
 
 
-def joint_rates(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def joint_rates(
+    p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Rates of the actuated joints from the twist and the rates of the redundant coordinates.
 
     Thesis: (1.30), (1.9).
@@ -879,7 +898,9 @@ def joint_rates(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        s_dot = platform.end_velocity(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
+        s_dot = platform.end_velocity(
+            g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"),
+            arguments.leg("redundant_rate"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_dot, regularity = subleg.rates(g.subleg, d, u_2, s_dot)
         results = arguments.finish(
@@ -894,7 +915,9 @@ def joint_rates(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate
     return (answer, results[-1]) if status else answer
 
 
-def platform_acceleration(p: Any, phi: Any, s: Any, theta: Any, twist: Any, theta_dot: Any, theta_ddot: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def platform_acceleration(
+    p: Any, phi: Any, s: Any, theta: Any, twist: Any, theta_dot: Any, theta_ddot: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Rate of the twist from the accelerations of the actuated joints; `twist` is the one that
     theta_dot gives.
 
@@ -920,11 +943,13 @@ def platform_acceleration(p: Any, phi: Any, s: Any, theta: Any, twist: Any, thet
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
-        s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        s_dot, bias = subleg.bias(
+            g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_ddot"))
         s_ddot = algebra.sum(along, bias)
-        row_bias = platform.row_bias(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), s_dot)
+        row_bias = platform.row_bias(
+            g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), s_dot)
         rate = algebra.rate_with_bias(N, s_ddot, row_bias)
         twist_rate, det_regularity = platform.solve(Q, rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
@@ -939,7 +964,10 @@ def platform_acceleration(p: Any, phi: Any, s: Any, theta: Any, twist: Any, thet
     return (answer, results[-1]) if status else answer
 
 
-def joint_accelerations(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, theta_dot: Any, twist_rate: Any, redundant_acceleration: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def joint_accelerations(
+    p: Any, phi: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, theta_dot: Any,
+    twist_rate: Any, redundant_acceleration: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates
     give.
 
@@ -966,8 +994,12 @@ def joint_accelerations(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redund
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        _s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
-        _s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        _s_dot, s_ddot = platform.end_acceleration(
+            g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"),
+            arguments.leg("redundant_rate"), arguments.leg("twist_rate"),
+            arguments.leg("redundant_acceleration"))
+        _s_dot_again, bias = subleg.bias(
+            g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_ddot, regularity = subleg.rates(g.subleg, d, u_2, along)
@@ -983,7 +1015,9 @@ def joint_accelerations(p: Any, phi: Any, s: Any, theta: Any, twist: Any, redund
     return (answer, results[-1]) if status else answer
 
 
-def passive_joints(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def passive_joints(
+    p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Every passive joint, from the base to the platform.
 
     Args:
@@ -1018,7 +1052,9 @@ def passive_joints(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry =
     return (answer, results[-1]) if status else answer
 
 
-def singularity(p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def singularity(
+    p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where the three redundant links' lines meet in a point or are
     parallel.

@@ -60,7 +60,7 @@ MODES = {
     "back/elbow+": (-1, 1,),
     "back/elbow-": (-1, -1,),
 }
-DEFAULT_MODE = "front/elbow+"
+DEFAULT_MODE = "front/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = ""
@@ -485,7 +485,8 @@ def rotation_error(Q: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
     return (answer, results[-1]) if status else answer
 
 
-def end_points(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def end_points(
+    p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """End points of the sub-legs from the pose and the redundant coordinates.
 
     Thesis: (1.37), 2.5.
@@ -514,7 +515,8 @@ def end_points(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_G
     return (answer, results[-1]) if status else answer
 
 
-def redundant_coordinates(p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def redundant_coordinates(
+    p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Redundant coordinates from the pose and the end points.
 
     Thesis: 1.5.
@@ -600,7 +602,8 @@ def subleg_inverse(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
     return (answer, results[-1]) if status else answer
 
 
-def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def subleg_jacobian(
+    s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.
 
     Thesis: (1.16), (2.15).
@@ -628,7 +631,8 @@ def subleg_jacobian(s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     return (answer, results[-1]) if status else answer
 
 
-def constraints(p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def constraints(
+    p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t
     - N s_dot.
 
@@ -657,7 +661,9 @@ def constraints(p: Any, Q: Any, s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY
     return (answer, results[-1]) if status else answer
 
 
-def jacobians(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def jacobians(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """J and K of J t = K theta_dot.
 
     Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
@@ -692,7 +698,9 @@ def jacobians(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAUL
     return (answer, results[-1]) if status else answer
 
 
-def jacobian_blocks(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def jacobian_blocks(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """J, and K as the legs' blocks without the zeros.
 
     Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
@@ -726,7 +734,9 @@ def jacobian_blocks(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = 
     return (answer, results[-1]) if status else answer
 
 
-def inverse(p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse(
+    p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Actuated joints in one working mode for each leg.
 
     Thesis: 1.5, 2.5, App. B.
@@ -763,7 +773,8 @@ def inverse(p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geome
     return (answer, results[-1]) if status else answer
 
 
-def inverse_all(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse_all(
+    p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in every working mode; NaN where a mode does not exist.
 
     Thesis: 1.5, 2.5, App. B.
@@ -797,7 +808,9 @@ def inverse_all(p: Any, Q: Any, redundant: Any, *, geometry: Geometry = DEFAULT_
     return (answer, results[-1]) if status else answer
 
 
-def inverse_near(p: Any, Q: Any, redundant: Any, theta_near: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse_near(
+    p: Any, Q: Any, redundant: Any, theta_near: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.
 
     Thesis: 1.8.
@@ -827,7 +840,9 @@ def inverse_near(p: Any, Q: Any, redundant: Any, theta_near: Any, *, geometry: G
     return (answer, results[-1]) if status else answer
 
 
-def inverse_status(p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def inverse_status(
+    p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Which leg cannot reach its end point, and by how much.
 
     Thesis: 1.5.
@@ -864,7 +879,9 @@ def inverse_status(p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry
     return (answer, results[-1]) if status else answer
 
 
-def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def twist(
+    p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.
 
     Thesis: (1.30).
@@ -885,11 +902,13 @@ def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geome
     arguments = rt.Arguments(SIGNATURES["twist"], (p, Q, s, theta, theta_dot,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, N, _scale = platform.line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         s_dot = subleg.velocity(g.subleg, x, e_2, d, v_1, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
-        twist, det_regularity = platform.solve(arguments.whole("Q"), rt.legs(line), rt.legs(point), rt.legs(rate))
+        twist, det_regularity = platform.solve(
+            arguments.whole("Q"), rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
             {
                 "twist": twist,
@@ -903,7 +922,9 @@ def twist(p: Any, Q: Any, s: Any, theta: Any, theta_dot: Any, *, geometry: Geome
     return (answer, results[-1]) if status else answer
 
 
-def joint_rates(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def joint_rates(
+    p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Rates of the actuated joints from the twist and the rates of the redundant coordinates.
 
     Thesis: (1.30), (1.9).
@@ -925,7 +946,9 @@ def joint_rates(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: 
     arguments = rt.Arguments(SIGNATURES["joint_rates"], (p, Q, s, theta, twist, redundant_rate,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        s_dot = platform.end_velocity(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"))
+        s_dot = platform.end_velocity(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"),
+            arguments.leg("redundant_rate"))
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_dot, regularity = subleg.rates(g.subleg, x, e_2, d, v_1, s_dot)
         results = arguments.finish(
@@ -940,7 +963,9 @@ def joint_rates(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: 
     return (answer, results[-1]) if status else answer
 
 
-def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_dot: Any, theta_ddot: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def platform_acceleration(
+    p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_dot: Any, theta_ddot: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Rate of the twist from the accelerations of the actuated joints; `twist` is the one that
     theta_dot gives.
 
@@ -965,14 +990,19 @@ def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_
     arguments = rt.Arguments(SIGNATURES["platform_acceleration"], (p, Q, s, theta, twist, theta_dot, theta_ddot,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
-        s_dot, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        line, point, N, _scale = platform.line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        s_dot, bias = subleg.bias(
+            g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along = subleg.velocity(g.subleg, x, e_2, d, v_1, arguments.leg("theta_ddot"))
         s_ddot = algebra.sum(along, bias)
-        row_bias = platform.row_bias(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), s_dot)
+        row_bias = platform.row_bias(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"),
+            s_dot)
         rate = algebra.rate_with_bias(N, s_ddot, row_bias)
-        twist_rate, det_regularity = platform.solve(arguments.whole("Q"), rt.legs(line), rt.legs(point), rt.legs(rate))
+        twist_rate, det_regularity = platform.solve(
+            arguments.whole("Q"), rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
             {
                 "twist_rate": twist_rate,
@@ -986,7 +1016,10 @@ def platform_acceleration(p: Any, Q: Any, s: Any, theta: Any, twist: Any, theta_
     return (answer, results[-1]) if status else answer
 
 
-def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, theta_dot: Any, twist_rate: Any, redundant_acceleration: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def joint_accelerations(
+    p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, theta_dot: Any,
+    twist_rate: Any, redundant_acceleration: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates
     give.
 
@@ -1013,8 +1046,12 @@ def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundan
     arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, Q, s, theta, twist, redundant_rate, theta_dot, twist_rate, redundant_acceleration,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        _s_dot, s_ddot = platform.end_acceleration(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"), arguments.leg("redundant_rate"), arguments.leg("twist_rate"), arguments.leg("redundant_acceleration"))
-        _s_dot_again, bias = subleg.bias(g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
+        _s_dot, s_ddot = platform.end_acceleration(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"),
+            arguments.leg("redundant_rate"), arguments.leg("twist_rate"),
+            arguments.leg("redundant_acceleration"))
+        _s_dot_again, bias = subleg.bias(
+            g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_ddot, regularity = subleg.rates(g.subleg, x, e_2, d, v_1, along)
@@ -1030,7 +1067,9 @@ def joint_accelerations(p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundan
     return (answer, results[-1]) if status else answer
 
 
-def passive_joints(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def passive_joints(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Every passive joint, from the base to the platform.
 
     Args:
@@ -1052,7 +1091,8 @@ def passive_joints(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = D
     with rt.quiet():
         x, e_2, _d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         link = subleg.passive(g.subleg, x, e_2, v_1)
-        redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        redundant_link, platform_joint = platform.joint(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         spherical = algebra.wrist(link, redundant_link)
         results = arguments.finish(
             {
@@ -1064,7 +1104,9 @@ def passive_joints(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = D
     return (answer, results[-1]) if status else answer
 
 
-def singularity(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+def singularity(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where the three redundant links' lines meet in a point or are
     parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3
@@ -1093,7 +1135,8 @@ def singularity(p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFA
     with rt.quiet():
         _x, _e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         type_1, factors = subleg.determinant(g.subleg, d, v_1)
-        line, point, _N, scale = platform.line(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        line, point, _N, scale = platform.line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(
             {

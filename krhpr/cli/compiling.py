@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from functools import partial
 from pathlib import Path
 
 from krhpr.backend import compile_extension, compile_robot
@@ -30,7 +31,7 @@ def compile_all(identifiers: Sequence[str], step: Step) -> dict[str, Path]:
         compile_extension()
 
     jobs: list[Callable[[], None]] = [extension]
-    jobs += [lambda identifier=identifier: compiled(identifier) for identifier in identifiers]  # type: ignore[misc]
+    jobs += [partial(compiled, identifier) for identifier in identifiers]
     with ThreadPoolExecutor(JOBS) as pool:
         futures = [pool.submit(job) for job in jobs]
         try:

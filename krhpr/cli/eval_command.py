@@ -35,11 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("json", "csv"),
         help="format of the input and the output (default: by the file's ending, else its first character)",
     )
+    parser.add_argument("--to", choices=("json", "csv"), help="format of the output, if another")
     parser.add_argument(
-        "--to", choices=("json", "csv"), help="format of the output (default: that of the input)"
-    )
-    parser.add_argument(
-        "--mode", metavar="LABEL", help="working mode: a label for all legs, or three, separated by commas"
+        "--mode", metavar="LABEL", help="working mode: a label for all legs, or three separated by commas"
     )
     parser.add_argument("--assembly", metavar="LABEL", help="assembly mode of the sub-legs, likewise")
     parser.add_argument(
@@ -48,10 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="another length or angle; three values, separated by commas, where the legs differ",
+        help="another length or angle; three values separated by commas where the legs differ",
     )
     parser.add_argument(
-        "--status", action="store_true", help="say for each configuration whether there is an answer"
+        "--no-check-rotation", action="store_true", help="take any matrix for Q, not only rotations"
+    )
+    parser.add_argument(
+        "--status", action="store_true", help="add whether there is an answer, and why where there is none"
     )
 
 

@@ -38,7 +38,8 @@ def run(options: argparse.Namespace) -> int:
     for given in calls:
         for name in preset.keys() & given.values.keys():
             raise WrongUse(f"{source.name}: {name!r} is given here and by --{name}; leave one out")
-    answers = [_call(robot, signature, given, preset) for given in calls]
+    check = not options.no_check_rotation
+    answers = [_call(robot, signature, given, preset, check) for given in calls]
     _warn_of_nothing(answers)
     if (options.to or source.format) == "csv":
         _print_csv(signature, answers, options.status)
@@ -107,7 +108,9 @@ Answer = tuple[tuple[np.ndarray[Any, Any], ...], np.ndarray[Any, Any]]
 """Results in order, and the status."""
 
 
-def _call(robot: Robot, signature: Signature, given: Given, preset: dict[str, Any]) -> Answer:
+def _call(
+    robot: Robot, signature: Signature, given: Given, preset: dict[str, Any], check_rotation: bool
+) -> Answer:
     values = {**preset, **given.values}
     inputs = [
         _branch(robot, port.name, values.get(port.name), given)
@@ -116,9 +119,10 @@ def _call(robot: Robot, signature: Signature, given: Given, preset: dict[str, An
         for port in signature.inputs
     ]
     try:
-        answer, status = robot.call(signature.name, *inputs, status=True)
+        answer, status = robot.call(signature.name, *inputs, status=True, check_rotation=check_rotation)
     except InvalidInput as error:
-        raise WrongUse(f"{given.place(error.index)}: {error}") from None
+        message = str(error).replace("pass check_rotation=False", "add --no-check-rotation")
+        raise WrongUse(f"{given.place(error.index)}: {message}") from None
     except ValueError as error:  # batch dimensions that do not fit
         raise WrongUse(f"{given.place(())}: {error}") from None
     results = (answer,) if len(signature.outputs) == 1 else tuple(answer)

@@ -84,7 +84,9 @@ def _varying(graph: Graph) -> list[bool]:
     """For every node, whether it depends on a tangent."""
     found: list[bool] = []
     for _, node in graph:
-        found.append(is_tangent(node.value) if isinstance(node.value, InputRef) else any(found[a] for a in node.args))
+        found.append(
+            is_tangent(node.value) if isinstance(node.value, InputRef) else any(found[a] for a in node.args)
+        )
     return found
 
 
@@ -183,7 +185,8 @@ def _structure(
     function: RobotFunction, calls: Sequence[Call], parts: Mapping[str, Part]
 ) -> dict[tuple[str, str], frozenset[tuple[int, int]]]:
     known: dict[str, Sources] = {
-        port.name: [frozenset({(port.name, index)}) for index in range(port.full_size)] for port in function.inputs
+        port.name: [frozenset({(port.name, index)}) for index in range(port.full_size)]
+        for port in function.inputs
     }
     per_leg = {port.name: port.per_leg for port in function.inputs}
     for call in calls:

@@ -59,6 +59,7 @@ def environment() -> jinja2.Environment:
     env.filters["literal"] = literal
     env.filters["port_literal"] = port_literal
     env.globals["zip"] = zip
+    env.globals["broken"] = broken
     return env
 
 
@@ -73,6 +74,21 @@ def wrap(text: str, width: int = 100, prefix: str = "", first: str | None = None
     lines = textwrap.wrap(text, width - len(prefix), break_long_words=False, break_on_hyphens=False)
     start = prefix if first is None else first
     return "\n".join((start if i == 0 else prefix) + line for i, line in enumerate(lines or [""]))
+
+
+def broken(head: str, items: Sequence[str], tail: str = "", indent: int = 0, width: int = 110) -> str:
+    """`head(items)tail`, on several lines where one would be too long; the first line is not indented."""
+    whole = f"{head}({', '.join(items)}){tail}"
+    if indent + len(whole) <= width:
+        return whole
+    margin = " " * (indent + 4)
+    lines = textwrap.wrap(
+        ", ".join(item.replace(" ", "\0") for item in items),
+        width - len(margin) - len(tail) - 1,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return f"{head}(\n" + "\n".join(margin + line.replace("\0", " ") for line in lines) + f"){tail}"
 
 
 def literal(value: object) -> str:

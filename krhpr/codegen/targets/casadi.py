@@ -9,7 +9,7 @@ from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Var
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.passes import Part
 from krhpr.codegen.printers.python import CASADI
-from krhpr.codegen.targets.base import File, render
+from krhpr.codegen.targets.base import File, broken, render
 from krhpr.codegen.targets.python import part_context
 
 
@@ -80,4 +80,4 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set
     suffix = "_i" if leg else ""
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [f"{name}{suffix}" if name in read else f"_{name}" for name in names]
-    return f"{', '.join(names)} = {call.part}.{kernel.name}({', '.join(arguments)})"
+    return broken(f"{', '.join(names)} = {call.part}.{kernel.name}", arguments, indent=8)

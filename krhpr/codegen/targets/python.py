@@ -22,7 +22,7 @@ from krhpr.codegen.kernel import Kernel, Port
 from krhpr.codegen.passes import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
-from krhpr.codegen.targets.base import File, kernel_comment, port_text, render
+from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
 
 
 class PythonTarget:
@@ -95,7 +95,6 @@ def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
         "name": kernel.name,
         "comment": kernel_comment(kernel),
         "parameters": parameters,
-        "returns": "tuple[Any, ...]",
         "unpack": unpack,
         "lines": _lines(body),
         "results": list(body.results.items()),
@@ -151,7 +150,7 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set
         arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [name if name in read else f"_{name}" for name in names]
-    return f"{', '.join(names)} = {call.part}.{kernel.name}({', '.join(arguments)})"
+    return broken(f"{', '.join(names)} = {call.part}.{kernel.name}", arguments, indent=8)
 
 
 def _argument(variable: Variable, stage: Stage) -> str:

@@ -1,0 +1,342 @@
+"""Functions of a robot as the C template sees them: calls of kernels, elementary functions put together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import prod
+
+from krhpr.codegen.composition import (
+    Call,
+    Guard,
+    Relation,
+    RobotCode,
+    RobotFunction,
+    Stage,
+    Variable,
+    variables,
+)
+from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
+from krhpr.codegen.passes import Part
+from krhpr.codegen.phases import Phases, split
+from krhpr.codegen.printers.c import print_kernel
+from krhpr.codegen.targets.base import broken, port_text
+
+BATCH = [
+    "size_t count",
+    "const double *const in[]",
+    "const ptrdiff_t in_step[]",
+    "double *const out[]",
+    "const ptrdiff_t out_step[]",
+    "int *status",
+    "ptrdiff_t status_step",
+]
+"""Parameters of every batch function, after the geometry."""
+
+
+@dataclass(frozen=True)
+class FunctionView:
+    """A robot's function as the template sees it."""
+
+    name: str
+    symbol: str
+    doc: str
+    equations: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    optional: tuple[tuple[str, str], ...]
+    finite: tuple[tuple[str, int], ...]
+    fills: tuple[tuple[str, int], ...]
+    zeros: tuple[tuple[str, int], ...]
+    shared_locals: tuple[str, ...]
+    leg_locals: tuple[str, ...]
+    uses_geometry: bool
+    angle_count: int
+    shared_angle_calls: tuple[str, ...]
+    leg_angle_calls: tuple[str, ...]
+    shared_calls: tuple[str, ...]
+    leg_calls: tuple[str, ...]
+    scatters: tuple[Scatter, ...]
+    tail_count: int
+    tail_stores: tuple[tuple[str, str], ...]
+    platform_calls: tuple[str, ...]
+    leg_guards: tuple[GuardView, ...]
+    platform_guards: tuple[GuardView, ...]
+    batch_arguments: tuple[str, ...]
+    in_sizes: tuple[int, ...]
+    out_sizes: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """A leg's block copied to its place on the diagonal of the whole matrix."""
+
+    block: str
+    target: str
+    rows: int
+    columns: int
+    width: int
+
+
+@dataclass(frozen=True)
+class GuardView:
+    """A condition that must hold, the status where it does not, and what is then NaN."""
+
+    condition: str
+    status: str
+    fills: tuple[tuple[str, int], ...]
+
+
+def _full_parameter(port: Port, *, output: bool = False) -> str:
+    if output:
+        return f"double *KRHPR_RESTRICT {port.name}"
+    return f"const double {port.name}[{port.full_size}]" if port.full_shape else f"double {port.name}"
+
+
+def prototype(robot: RobotCode, function: RobotFunction) -> dict[str, object]:
+    """A function as the header declares and documents it."""
+    return {
+        "name": function.name,
+        "symbol": f"krhpr_{robot.identifier}_{function.name}",
+        "doc": function.doc,
+        "equations": function.equations,
+        "inputs": [port_text(port, full=True) + _optional_remark(port) for port in function.inputs],
+        "outputs": [port_text(port, full=True) for port in function.outputs],
+        "parameters": [_full_parameter(port) for port in function.inputs]
+        + [_full_parameter(port, output=True) for port in function.outputs],
+        "in_order": [f"{port.name} ({port.full_size})" for port in function.inputs],
+        "out_order": [f"{port.name} ({port.full_size})" for port in function.outputs],
+    }
+
+
+def _optional_remark(port: Port) -> str:
+    return "; NULL for the default" if port.name in ("mode", "assembly") else ""
+
+
+def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
+    """A function's statements in the order of the source."""
+    known = variables(function, robot.parts)
+    outside = _read_outside_the_loop(robot, function)
+    plan = _Plan(robot, function, known, outside)
+    diagonal = [port for port in function.outputs if port.layout is Layout.DIAGONAL]
+    made = {variable.name: variable for variable in known.values() if variable.kind == "local"}
+    leg_guards = [guard for guard in function.guards if known[guard.variable].per_leg]
+    return FunctionView(
+        name=function.name,
+        symbol=f"krhpr_{robot.identifier}_{function.name}",
+        doc=function.doc,
+        equations=function.equations,
+        inputs=tuple(port_text(port, full=True) for port in function.inputs),
+        outputs=tuple(port_text(port, full=True) for port in function.outputs),
+        parameters=tuple(_full_parameter(port) for port in function.inputs)
+        + tuple(_full_parameter(port, output=True) for port in function.outputs),
+        optional=tuple(
+            (port.name, f"{port.name}_default")
+            for port in function.inputs
+            if port.name in ("mode", "assembly")
+        ),
+        finite=tuple((_address(port), port.full_size) for port in function.inputs),
+        fills=tuple((port.name, port.full_size) for port in function.outputs),
+        zeros=tuple((port.name, port.full_size) for port in diagonal),
+        shared_locals=tuple(
+            _local(variable, legs=variable.per_leg)
+            for variable in made.values()
+            if not variable.per_leg or variable.name in outside
+        ),
+        leg_locals=tuple(
+            [
+                _local(variable, legs=False)
+                for variable in made.values()
+                if variable.per_leg and variable.name not in outside
+            ]
+            + [f"double {port.name}_block[{port.size}];" for port in diagonal]
+        ),
+        uses_geometry=function.uses_geometry(robot.parts),
+        angle_count=plan.angle_count,
+        shared_angle_calls=tuple(plan.shared_angle_calls),
+        leg_angle_calls=tuple(plan.leg_angle_calls),
+        shared_calls=tuple(plan.calls[Stage.SHARED]),
+        leg_calls=tuple(plan.calls[Stage.LEG]),
+        scatters=tuple(
+            Scatter(f"{port.name}_block", port.name, port.shape[0], port.shape[1], port.full_shape[1])
+            for port in diagonal
+        ),
+        tail_count=plan.tail_count,
+        tail_stores=tuple(plan.tail_stores),
+        platform_calls=tuple(plan.calls[Stage.PLATFORM]),
+        leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
+        platform_guards=tuple(
+            _platform_guard(guard, function) for guard in function.guards if guard not in leg_guards
+        ),
+        batch_arguments=tuple(batch_arguments(function)),
+        in_sizes=tuple(port.full_size for port in function.inputs),
+        out_sizes=tuple(port.full_size for port in function.outputs),
+    )
+
+
+def _read_outside_the_loop(robot: RobotCode, function: RobotFunction) -> set[str]:
+    """Variables that the loop over the legs makes and that something after it reads: each leg needs its
+    own.
+    """
+    read = {guard.variable for guard in function.guards}
+    for call in function.stage(Stage.PLATFORM):
+        read |= {call.variable_in(port.name) for port in robot.parts[call.part].kernel(call.kernel).inputs}
+    return read
+
+
+class _Plan:
+    """The statements of a function: calls of kernels, with all legs' sines, cosines and arctangents put
+    together.
+    """
+
+    def __init__(
+        self, robot: RobotCode, function: RobotFunction, known: dict[str, Variable], outside: set[str]
+    ) -> None:
+        self.robot, self.known, self.outside = robot, known, outside
+        self.angle_count = self.tail_count = 0
+        self.shared_angle_calls: list[str] = []
+        self.leg_angle_calls: list[str] = []
+        self.tail_stores: list[tuple[str, str]] = []
+        self.calls: dict[Stage, list[str]] = {stage: [] for stage in Stage}
+        self._offsets: dict[str, str] = {}
+        for call in function.calls:
+            self._add(call)
+
+    def _add(self, call: Call) -> None:
+        part = self.robot.parts[call.part]
+        phases = split(part.kernel(call.kernel))
+        special = self._angles(call, part, phases)
+        special |= self._tails(call, phases)
+        self.calls[call.stage].append(self._text(call, part, phases.body, special))
+
+    def _angles(self, call: Call, part: Part, phases: Phases) -> dict[str, str]:
+        """Where the body finds its sines and cosines; the angles are computed before."""
+        if phases.angles is None:
+            return {}
+        kernel = phases.angles
+        late = [
+            port.name for port in kernel.inputs if self.known[call.variable_in(port.name)].kind != "input"
+        ]
+        if late or call.stage is Stage.PLATFORM:
+            raise ValueError(
+                f"{part.name}.{call.kernel}: sines of {late or 'the platform stage'} come too late"
+            )
+        count = kernel.output_port("angle").size
+        per_leg = call.stage is Stage.LEG
+        # two kernels that read the same angles share them
+        key = (
+            f"{[call.variable_in(port.name) for port in kernel.inputs]} "
+            f"{print_kernel(kernel).results} {per_leg}"
+        )
+        if key not in self._offsets:
+            first = str(self.angle_count) if self.angle_count else ""
+            self._offsets[key] = " + ".join(
+                term for term in (first, f"{count} * i" if per_leg else "") if term
+            )
+            self.angle_count += count * (LEGS if per_leg else 1)
+            target = self.leg_angle_calls if per_leg else self.shared_angle_calls
+            target.append(self._text(call, part, kernel, {"angle": self._offset("angle", key)}))
+        return {name: self._offset(name, key) for name in ("sine", "cosine")}
+
+    def _offset(self, name: str, key: str) -> str:
+        return f"{name} + {self._offsets[key]}" if self._offsets[key] else name
+
+    def _tails(self, call: Call, phases: Phases) -> dict[str, str]:
+        """Where the body leaves the operands of its arctangents; they are computed after the loop."""
+        if not phases.tails:
+            return {}
+        if call.stage is not Stage.LEG:
+            raise ValueError(f"{call.part}.{call.kernel}: arctangents are expected in leg kernels only")
+        first = f"{self.tail_count} + " if self.tail_count else ""
+        where = f"{first}{phases.tail_size} * i"
+        for tail in phases.tails:
+            variable = self.known[call.variable_out(tail.port.name)]
+            if variable.kind != "output":
+                raise ValueError(
+                    f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output"
+                )
+            for index, slot in enumerate(tail.slots):
+                size = len(tail.slots)
+                target = f"{variable.name}[{f'{size} * i + {index}' if size > 1 else 'i'}]"
+                self.tail_stores.append((target, f"tail[{where} + {slot}]"))
+        self.tail_count += phases.tail_size * LEGS
+        return {"tail_y": f"tail_y + {where}", "tail_x": f"tail_x + {where}"}
+
+    def _text(self, call: Call, part: Part, kernel: Kernel, special: dict[str, str]) -> str:
+        arguments = [f"&g->{call.part}[i]"] if kernel.geometry is not None else []
+        for port in kernel.inputs:
+            arguments.append(
+                special.get(port.name) or self._reference(call.variable_in(port.name), call.stage)
+            )
+        for port in kernel.outputs:
+            text = special.get(port.name)
+            arguments.append(text or self._reference(call.variable_out(port.name), call.stage, output=True))
+        indent = 8 if call.stage is Stage.LEG else 4
+        return broken(f"krhpr_{part.name}_{kernel.name}", arguments, ";", indent)
+
+    def _reference(self, name: str, stage: Stage, *, output: bool = False) -> str:
+        """How a kernel's argument is written: a value, an array, or a pointer to a leg's part of an array."""
+        variable = self.known[name]
+        size, scalar = prod(variable.port.shape), not variable.port.shape
+        if variable.port.layout is Layout.DIAGONAL:
+            return f"{name}_block"
+        if stage is Stage.LEG and variable.per_leg and (variable.kind != "local" or name in self.outside):
+            if scalar:
+                return f"&{name}[i]" if output else f"{name}[i]"
+            return f"{name} + {size} * i" if size > 1 else f"{name} + i"
+        if scalar and output and variable.kind == "local":
+            return f"&{name}"
+        return name
+
+
+def _address(port: Port) -> str:
+    return port.name if port.full_shape else f"&{port.name}"
+
+
+def batch_arguments(function: RobotFunction) -> list[str]:
+    """Arguments of one element's call inside the batch twin."""
+    inputs = [_batch_input(port, index) for index, port in enumerate(function.inputs)]
+    return inputs + [f"out[{index}] + k * out_step[{index}]" for index in range(len(function.outputs))]
+
+
+def _batch_input(port: Port, index: int) -> str:
+    element = f"in[{index}] + k * in_step[{index}]"
+    if port.name in ("mode", "assembly"):
+        return f"in[{index}] ? {element} : NULL"
+    return element if port.full_shape else f"*({element})"
+
+
+def _local(variable: Variable, *, legs: bool) -> str:
+    size = prod(variable.port.shape) * (LEGS if legs else 1)
+    return f"double {variable.name}[{size}];" if legs or variable.port.shape else f"double {variable.name};"
+
+
+def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
+    """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
+    fills: list[tuple[str, int]] = []
+    if not function.stage(Stage.PLATFORM):
+        for port in function.outputs:
+            if not port.per_leg or port.name == guard.variable:
+                continue
+            if port.layout is Layout.DIAGONAL:
+                rows, columns = port.shape
+                width = port.full_shape[1]
+                fills += [
+                    (f"{port.name} + {rows * width + columns} * i + {row * width}", columns)
+                    for row in range(rows)
+                ]
+            else:
+                fills.append((f"{port.name} + {port.size} * i", port.size))
+    operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
+    return GuardView(
+        f"{guard.variable}[i] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name} + i", tuple(fills)
+    )
+
+
+def _platform_guard(guard: Guard, function: RobotFunction) -> GuardView:
+    """A guard of the whole platform: where it fails, every output is NaN."""
+    operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
+    fills = tuple((port.name, port.full_size) for port in function.outputs)
+    return GuardView(
+        f"{guard.variable}[{guard.index}] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name}", fills
+    )

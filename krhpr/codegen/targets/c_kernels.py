@@ -1,0 +1,119 @@
+"""Kernels and geometry as the C templates see them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.kernel import LEGS, GeometryType, Kernel, Port
+from krhpr.codegen.passes import Part
+from krhpr.codegen.printers.c import print_kernel
+from krhpr.codegen.printers.infix import Line, Pair
+from krhpr.codegen.targets.base import kernel_comment
+
+
+@dataclass(frozen=True)
+class KernelView:
+    """A kernel as the template sees it."""
+
+    symbol: str
+    comment: str
+    parameters: tuple[str, ...]
+    unused: tuple[str, ...]
+    lines: tuple[tuple[str, str], ...]
+    stores: tuple[tuple[str, str], ...]
+
+
+def kernel_view(part: str, kernel: Kernel) -> KernelView:
+    """A kernel with its lines printed in C."""
+    body = print_kernel(kernel)
+    used = {ref.port.split(".")[0] for ref in body.inputs_used}
+    parameters = [f"const krhpr_{part}_geometry *g"] if kernel.geometry else []
+    parameters += [_parameter(port) for port in kernel.inputs]
+    unused = [port.name for port in kernel.inputs if port.name not in used]
+    if kernel.geometry and "g" not in used:
+        unused.insert(0, "g")
+    if kernel.name == "prepare":
+        parameters, unused = [f"krhpr_{part}_geometry *g"], []
+        body_lines = tuple(_statement(line, lambda text: _fields_of_g(kernel, text)) for line in body.lines)
+        stores = tuple(
+            (f"g->{_element(port, index)}", _fields_of_g(kernel, text))
+            for port in kernel.outputs
+            for index, text in enumerate(body.results[port.name])
+        )
+        return KernelView(
+            f"krhpr_{part}_prepare", kernel_comment(kernel), tuple(parameters), (), body_lines, stores
+        )
+    parameters += [_parameter(port, output=True) for port in kernel.outputs]
+    stores = tuple(
+        (_element(port, index, output=True), text)
+        for port in kernel.outputs
+        for index, text in enumerate(body.results[port.name])
+    )
+    lines = tuple(_statement(line, str) for line in body.lines)
+    return KernelView(
+        f"krhpr_{part}_{kernel.name}", kernel_comment(kernel), tuple(parameters), tuple(unused), lines, stores
+    )
+
+
+def _statement(line: Line | Pair, rewrite: Callable[[str], str]) -> tuple[str, str]:
+    """A statement and the remark behind it."""
+    if isinstance(line, Pair):
+        names = f"double {line.sine}, {line.cosine};"
+        return f"{names} krhpr_sincos({rewrite(line.argument)}, &{line.sine}, &{line.cosine});", ""
+    return f"const double {line.name} = {rewrite(line.expression)};", line.note
+
+
+def _fields_of_g(kernel: Kernel, text: str) -> str:
+    """`prepare` reads the geometry's own fields: scalar parameters become members."""
+    names = "|".join(sorted((re.escape(port.name) for port in kernel.inputs), key=len, reverse=True))
+    return re.sub(rf"(?<![\w>.])({names})(?![\w\[])", r"g->\1", text)
+
+
+def _parameter(port: Port, *, output: bool = False) -> str:
+    if output:
+        return f"double *KRHPR_RESTRICT {port.name}"
+    return f"const double {port.name}[{port.size}]" if port.shape else f"double {port.name}"
+
+
+def _element(port: Port, index: int, *, output: bool = False) -> str:
+    if port.shape:
+        return f"{port.name}[{index}]"
+    return f"*{port.name}" if output else port.name
+
+
+def geometry_view(geometry: GeometryType | None) -> dict[str, list[tuple[str, str]]]:
+    """Members of a leg's structure: what a person sets, what `prepare` computes."""
+    if geometry is None:
+        return {"fields": [], "prepared": []}
+    fields = [(f"double {field.name};", f"{field.doc} ({field.unit})") for field in geometry.fields]
+    prepared = [(f"double {port.name}[{port.size}];", port.doc) for port in geometry.prepare.outputs]
+    return {"fields": fields, "prepared": prepared}
+
+
+def field_names(part: Part) -> list[str]:
+    """Names of the fields that a person sets."""
+    assert part.geometry is not None
+    return [field.name for field in part.geometry.fields]
+
+
+def field_count(robot: RobotCode) -> int:
+    """Number of fields of all legs."""
+    return LEGS * (len(field_names(robot.subleg)) + len(field_names(robot.platform)))
+
+
+def positive_fields(robot: RobotCode) -> list[str]:
+    """Members that must be positive."""
+    found = []
+    for member, part in (("subleg", robot.subleg), ("platform", robot.platform)):
+        assert part.geometry is not None
+        found += [f"{member}[i].{field.name}" for field in part.geometry.fields if field.positive]
+    return found
+
+
+def default_rows(robot: RobotCode) -> list[str]:
+    """Default fields, a row for each leg."""
+    names = [*field_names(robot.subleg), *field_names(robot.platform)]
+    return [", ".join(repr(robot.default_geometry[name][leg]) for name in names) for leg in range(LEGS)]

@@ -1,0 +1,238 @@
+"""Finite differences: every function that is a derivative against difference quotients of the functions it derives.
+
+Only generated functions of one target take part, at random configurations of a random geometry.  Differences of joints are
+taken along the smaller arc.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from krhpr.validation.numeric import Floats, Numeric, target
+from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.plan import Check
+from krhpr.validation.sampling import Batch, draw, rotations
+from krhpr.validation.subject import Subject
+
+STEP = 1e-5
+SECOND_STEP = 1e-4
+
+Body = Callable[[Numeric, Batch, Measured], None]
+
+
+def runner(body: Body) -> Runner:
+    """A check of one target on a batch."""
+
+    def run(subject: Subject, check: Check, count: int) -> Measured:
+        found = Measured(check, samples=count)
+        body(target(subject, check.target), draw(subject, check.seed, count), found)
+        return found
+
+    return run
+
+
+def compare(found: Measured, got: Floats, wanted: Floats, where: str, axes: int) -> None:
+    """The error relative to the largest element of the last `axes` axes."""
+    over = tuple(range(-axes, 0))
+    scale = np.abs(wanted).max(axis=over, keepdims=True)
+    found.worse(np.abs(got - wanted) / scale, where)
+
+
+def arc(after: Floats, before: Floats, angular: tuple[bool, ...]) -> Floats:
+    """after - before, for angles along the smaller arc."""
+    gap = after - before
+    turned = np.arctan2(np.sin(gap), np.cos(gap))
+    result: Floats = np.where(np.array(angular), turned, gap)
+    return result
+
+
+def call(one: Numeric, batch: Batch, name: str, **values: Any) -> dict[str, Floats]:
+    """A function of the target at the batch, some arguments changed."""
+    function = one.subject.code.function(name)
+    everything: Mapping[str, Any] = {**batch.values, **values}
+    return one.call(name, {port.name: everything[port.name] for port in function.inputs}, batch.geometry)
+
+
+# -- motions ----------------------------------------------------------------------------------------------------------
+
+
+def moved(batch: Batch, twist: Floats, time: float, acceleration: Floats | None = None) -> dict[str, Floats]:
+    """The pose after `time` along a motion that starts with this twist and its rate."""
+    path = twist * time if acceleration is None else twist * time + 0.5 * acceleration * time**2
+    d = batch.subject.platform.space.dimension
+    p = batch.values["p"] + path[..., :d]
+    if batch.subject.planar:
+        return {"p": p, "phi": batch.values["phi"] + path[..., d]}
+    return {"p": p, "Q": rotations(path[..., d:]) @ batch.values["Q"]}
+
+
+def along(one: Numeric, batch: Batch, time: float) -> dict[str, Floats]:
+    """Pose, redundant coordinates, end points, joints and rates after `time` along the batch's motion."""
+    v = batch.values
+    here = moved(batch, v["twist"], time, v["twist_rate"])
+    redundant = v["redundant"] + v["redundant_rate"] * time + 0.5 * v["redundant_acceleration"] * time**2
+    here |= {
+        "redundant": redundant,
+        "twist": v["twist"] + v["twist_rate"] * time,
+        "redundant_rate": v["redundant_rate"] + v["redundant_acceleration"] * time,
+    }
+    here["s"] = call(one, batch, "end_points", **here)["s"]
+    here["theta"] = call(one, batch, "inverse", **here)["theta"]
+    return here
+
+
+def joint_rates(one: Numeric, batch: Batch, time: float) -> Floats:
+    """joint_rates after `time` along the batch's motion."""
+    return call(one, batch, "joint_rates", **along(one, batch, time))["theta_dot"]
+
+
+def differenced_rates(one: Numeric, batch: Batch) -> Floats:
+    """Difference quotients of inverse along the motion."""
+    after, before = (along(one, batch, time)["theta"] for time in (STEP, -STEP))
+    return arc(after, before, one.subject.code.angular) / (2 * STEP)
+
+
+def differenced_accelerations(one: Numeric, batch: Batch) -> Floats:
+    """Difference quotients of joint_rates along the motion."""
+    result: Floats = (joint_rates(one, batch, STEP) - joint_rates(one, batch, -STEP)) / (2 * STEP)
+    return result
+
+
+# -- checks -----------------------------------------------------------------------------------------------------------
+
+
+def _bumped(values: Floats, index: int, step: float) -> Floats:
+    """A leg-wise array with one component of every leg moved."""
+    result = values.copy()
+    result[..., index] += step
+    return result
+
+
+def m_of_forward(one: Numeric, batch: Batch, found: Measured) -> None:
+    """M, column by column, in the assembly mode of each leg."""
+    M = call(one, batch, "subleg_jacobian")["M"]
+    theta = batch.values["theta"]
+    for joint in range(one.subject.subleg.n):
+        after, before = (
+            call(one, batch, "subleg_forward", theta=_bumped(theta, joint, step))["s"] for step in (STEP, -STEP)
+        )
+        scale = np.abs(M).max(axis=(-2, -1))[..., None]
+        found.worse(np.abs((after - before) / (2 * STEP) - M[..., joint]) / scale, f"column {joint}")
+
+
+def m_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
+    """M dtheta/ds = 1 in every working mode."""
+    s, n = batch.values["s"], one.subject.subleg.n
+    every = call(one, batch, "subleg_inverse")["theta"]
+    for mode in range(every.shape[2]):
+        M = call(one, batch, "subleg_jacobian", theta=every[:, :, mode])["M"]
+        columns = []
+        for axis in range(s.shape[-1]):
+            after, before = (
+                call(one, batch, "subleg_inverse", s=_bumped(s, axis, step))["theta"][:, :, mode]
+                for step in (STEP, -STEP)
+            )
+            columns.append(arc(after, before, one.subject.code.angular) / (2 * STEP))
+        slope = np.stack(columns, axis=-1)
+        scale = np.abs(M).max(axis=(-2, -1)) * np.abs(slope).max(axis=(-2, -1)) * n
+        gap = np.abs(M @ slope - np.eye(s.shape[-1])).max(axis=(-2, -1))
+        found.worse(gap / scale, f"mode {one.subject.code.mode_labels[mode]}")
+
+
+def _columns_of_j(one: Numeric, batch: Batch) -> Floats:
+    freedom = one.subject.platform.space.degrees_of_freedom
+    columns = []
+    for index in range(freedom):
+        twist = np.zeros((len(batch), freedom))
+        twist[:, index] = 1.0
+        after, before = (
+            call(one, batch, "constraints", **moved(batch, twist, step))["residual"] for step in (STEP, -STEP)
+        )
+        columns.append((after - before) / (2 * STEP))
+    return np.stack(columns, axis=-1)
+
+
+def _columns_of_k(one: Numeric, batch: Batch) -> Floats:
+    """-d(residual)/d(theta), each joint of each leg by itself."""
+    theta, columns = batch.values["theta"], []
+    for leg in range(theta.shape[1]):
+        for joint in range(theta.shape[2]):
+            residuals = []
+            for step in (STEP, -STEP):
+                bumped = theta.copy()
+                bumped[:, leg, joint] += step
+                s = call(one, batch, "subleg_forward", theta=bumped)["s"]
+                residuals.append(call(one, batch, "constraints", s=s)["residual"])
+            columns.append((residuals[1] - residuals[0]) / (2 * STEP))
+    return np.stack(columns, axis=-1)
+
+
+def j_matrix(one: Numeric, batch: Batch, found: Measured) -> None:
+    """J of jacobians."""
+    compare(found, _columns_of_j(one, batch), call(one, batch, "jacobians")["J"], "J", 2)
+
+
+def k_matrix(one: Numeric, batch: Batch, found: Measured) -> None:
+    """K of jacobians."""
+    compare(found, _columns_of_k(one, batch), call(one, batch, "jacobians")["K"], "K", 2)
+
+
+def blocks(one: Numeric, batch: Batch, found: Measured) -> None:
+    """J and the blocks of K of jacobian_blocks."""
+    result = call(one, batch, "jacobian_blocks")
+    compare(found, _columns_of_j(one, batch), result["J"], "J", 2)
+    K, rows, n = _columns_of_k(one, batch), one.subject.platform.space.rows_per_leg, one.subject.subleg.n
+    for leg in range(result["K"].shape[1]):
+        block = K[:, rows * leg : rows * (leg + 1), n * leg : n * (leg + 1)]
+        compare(found, block, result["K"][:, leg].reshape(block.shape), f"K of leg {leg + 1}", 2)
+
+
+def rates(one: Numeric, batch: Batch, found: Measured) -> None:
+    """joint_rates."""
+    compare(found, differenced_rates(one, batch), call(one, batch, "joint_rates")["theta_dot"], "theta_dot", 2)
+
+
+def twist(one: Numeric, batch: Batch, found: Measured) -> None:
+    """twist, from differences of the inverse."""
+    got = call(one, batch, "twist", theta_dot=differenced_rates(one, batch))["twist"]
+    compare(found, got, batch.values["twist"], "twist", 1)
+
+
+def accelerations(one: Numeric, batch: Batch, found: Measured) -> None:
+    """joint_accelerations, from differences of joint_rates."""
+    wanted = call(one, batch, "joint_accelerations", theta_dot=joint_rates(one, batch, 0.0))["theta_ddot"]
+    compare(found, differenced_accelerations(one, batch), wanted, "theta_ddot", 2)
+
+
+def second_differences(one: Numeric, batch: Batch, found: Measured) -> None:
+    """joint_accelerations, from second differences of the inverse."""
+    before, here, after = (along(one, batch, time)["theta"] for time in (-SECOND_STEP, 0.0, SECOND_STEP))
+    angular = one.subject.code.angular
+    got = (arc(after, here, angular) - arc(here, before, angular)) / SECOND_STEP**2
+    wanted = call(one, batch, "joint_accelerations", theta_dot=joint_rates(one, batch, 0.0))["theta_ddot"]
+    compare(found, got, wanted, "theta_ddot", 2)
+
+
+def platform_acceleration(one: Numeric, batch: Batch, found: Measured) -> None:
+    """platform_acceleration, from differences of joint_rates."""
+    theta_dot, theta_ddot = joint_rates(one, batch, 0.0), differenced_accelerations(one, batch)
+    got = call(one, batch, "platform_acceleration", theta_dot=theta_dot, theta_ddot=theta_ddot)["twist_rate"]
+    compare(found, got, batch.values["twist_rate"], "twist_rate", 1)
+
+
+RUNNERS: dict[str, Runner] = {
+    "M of forward": runner(m_of_forward),
+    "M of inverse": runner(m_of_inverse),
+    "J": runner(j_matrix),
+    "K": runner(k_matrix),
+    "J and blocks": runner(blocks),
+    "rates": runner(rates),
+    "twist": runner(twist),
+    "accelerations": runner(accelerations),
+    "second differences": runner(second_differences),
+    "platform acceleration": runner(platform_acceleration),
+}
+"""The code of each check by its name in the plan."""
