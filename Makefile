@@ -22,7 +22,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 .DELETE_ON_ERROR:
 # Two targets may set up one environment.
 .NOTPARALLEL:
-.PHONY: help generate check test test-full lint format bench lock upgrade clean distclean
+.PHONY: help generate check test test-full lint format docs bench lock upgrade clean distclean
 
 help: ## Say what the targets do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
@@ -48,6 +48,10 @@ lint: $(TEST_READY) ## Check style, layout and types
 format: $(TEST_READY) ## Lay the Python sources out as lint wants them
 	$(VENV)/bin/ruff check --fix .
 	$(VENV)/bin/ruff format .
+
+docs: $(TEST_READY) ## Draw the pictures and refresh the code and tables that docs/ shows
+	$(VENV)/bin/python docs/pictures/make.py
+	$(VENV)/bin/python docs/refresh.py
 
 bench: $(BENCH_READY) ## Measure speed against peers, in an environment of their own
 	$(BENCH)/bin/python -m benchmarks $(ARGS)

@@ -309,11 +309,19 @@ def targets() -> str:
     return _table(("Target", "Module", "What"), rows)
 
 
+def checks() -> str:
+    """The kinds of checks that `krhpr validate` makes."""
+    from krhpr.validation.plan import KINDS
+
+    return _table(("Kind", "What is compared"), [(str(kind), text) for kind, text in KINDS.items()])
+
+
 def _first_line(target: object) -> str:
     return (type(target).__doc__ or "").strip().splitlines()[0]
 
 
 TABLES: dict[str, Callable[..., str]] = {
+    "checks": checks,
     "functions": functions,
     "platform": platform,
     "reference": reference,

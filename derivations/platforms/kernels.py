@@ -123,7 +123,7 @@ class PlatformKernels:
             "(1.37) differentiated",
         )
         ports = self.ports
-        twist, rate = k.add_input(ports.twist), k.add_input(ports.redundant_rate)
+        twist, rate = k.add_input(ports.twist), k.add_input(ports.redundant_rates)
         k.add_output(ports.s_dot, self.plate.end_velocity(k, pose, s, self._carried(k, pose, s, twist), rate))
         return k.kernel()
 
@@ -146,15 +146,15 @@ class PlatformKernels:
             "end_acceleration", "Velocity and acceleration of the end point from those of the platform."
         )
         ports = self.ports
-        twist, rate = k.add_input(ports.twist), k.add_input(ports.redundant_rate)
-        twist_rate, acceleration = k.add_input(ports.twist_rate), k.add_input(ports.redundant_acceleration)
-        arguments = {"p": pose.p, "Q": pose.Q, "s": s, "twist": twist, "redundant_rate": rate}
+        twist, rate = k.add_input(ports.twist), k.add_input(ports.redundant_rates)
+        twist_rate, acceleration = k.add_input(ports.twist_rate), k.add_input(ports.redundant_accelerations)
+        arguments = {"p": pose.p, "Q": pose.Q, "s": s, "twist": twist, "redundant_rates": rate}
         s_dot = k.call(velocity, **arguments).s_dot
         directions = {
             **self._pose_rates(k, pose, twist),
             "s": s_dot,
             "twist": twist_rate,
-            "redundant_rate": acceleration,
+            "redundant_rates": acceleration,
         }
         value, derivative = k.call_tangent(velocity, "s_dot", arguments, directions)
         k.add_output(ports.s_dot, value)
@@ -276,11 +276,11 @@ class PlatformPorts:
         self.redundant = Port(
             "redundant", (), Unit.RADIAN if angle else Unit.METRE, Frame.JOINT, joint.doc, STACKED
         )
-        self.redundant_rate = Port(
-            "redundant_rate", (), Unit.ACTUATOR_RATE, Frame.JOINT, f"rate of {joint.name}", STACKED
+        self.redundant_rates = Port(
+            "redundant_rates", (), Unit.ACTUATOR_RATE, Frame.JOINT, f"rate of {joint.name}", STACKED
         )
-        self.redundant_acceleration = Port(
-            "redundant_acceleration",
+        self.redundant_accelerations = Port(
+            "redundant_accelerations",
             (),
             Unit.ACTUATOR_ACCELERATION,
             Frame.JOINT,

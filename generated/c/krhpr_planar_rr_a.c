@@ -658,14 +658,14 @@ int krhpr_planar_rr_a_twist_batch(
 
 int krhpr_planar_rr_a_joint_rates(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
-    const double theta[6], const double twist[3], const double redundant_rate[3],
+    const double theta[6], const double twist[3], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
     if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) == 0.0)) {
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -683,7 +683,7 @@ int krhpr_planar_rr_a_joint_rates(
         double d[2];
         double u_2[2];
         krhpr_platform_planar_a_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], s_dot);
+            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_rr_posture(
             &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
         krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
@@ -789,15 +789,15 @@ int krhpr_planar_rr_a_platform_acceleration_batch(
 
 int krhpr_planar_rr_a_joint_accelerations(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
-    const double theta[6], const double twist[3], const double redundant_rate[3], const double theta_dot[6],
-    const double twist_rate[3], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
+    const double theta[6], const double twist[3], const double redundant_rates[3], const double theta_dot[6],
+    const double twist_rate[3], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
     if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
-          krhpr_taint(redundant_acceleration, 3) == 0.0)) {
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
+          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -819,8 +819,8 @@ int krhpr_planar_rr_a_joint_accelerations(
         double d[2];
         double u_2[2];
         krhpr_platform_planar_a_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rate[i], twist_rate,
-            redundant_acceleration[i], s_dot, s_ddot);
+            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rr_bias(
             &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
             bias);

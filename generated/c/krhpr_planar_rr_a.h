@@ -255,14 +255,14 @@ int krhpr_planar_rr_a_twist_batch(
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   in     twist (3, m/s, rad/s, base frame): twist [p_dot, phi_dot]
- *   in     redundant_rate (3, rad/s or m/s, joint frame): rate of beta
+ *   in     redundant_rates (3, rad/s or m/s, joint frame): rate of beta
  *   out    theta_dot (3 x 2, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2]
  */
 int krhpr_planar_rr_a_joint_rates(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
-    const double theta[6], const double twist[3], const double redundant_rate[3],
+    const double theta[6], const double twist[3], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
-/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rate (3); out = theta_dot (6); steps count doubles (status: ints)
+/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3); out = theta_dot (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 int krhpr_planar_rr_a_joint_rates_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
@@ -297,18 +297,19 @@ int krhpr_planar_rr_a_platform_acceleration_batch(
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   in     twist (3, m/s, rad/s, base frame): twist [p_dot, phi_dot]
- *   in     redundant_rate (3, rad/s or m/s, joint frame): rate of beta
+ *   in     redundant_rates (3, rad/s or m/s, joint frame): rate of beta
  *   in     theta_dot (3 x 2, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2]
  *   in     twist_rate (3, m/s^2, rad/s^2, base frame): rate of the twist
- *   in     redundant_acceleration (3, rad/s^2 or m/s^2, joint frame): second rate of beta
+ *   in     redundant_accelerations (3, rad/s^2 or m/s^2, joint frame): second rate of beta
  *   out    theta_ddot (3 x 2, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2]
  */
 int krhpr_planar_rr_a_joint_accelerations(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
-    const double theta[6], const double twist[3], const double redundant_rate[3], const double theta_dot[6],
-    const double twist_rate[3], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot);
-/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rate (3), theta_dot (6), twist_rate (3), redundant_acceleration (3); out = theta_ddot (6); steps count doubles (status: ints)
+    const double theta[6], const double twist[3], const double redundant_rates[3],
+    const double theta_dot[6], const double twist_rate[3], const double redundant_accelerations[3],
+    double *KRHPR_RESTRICT theta_ddot);
+/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3), theta_dot (6), twist_rate (3), redundant_accelerations (3); out = theta_ddot (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 int krhpr_planar_rr_a_joint_accelerations_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],

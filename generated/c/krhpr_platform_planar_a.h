@@ -130,7 +130,7 @@ static inline void krhpr_platform_planar_a_line(
  * differentiated.  (12 add, 8 multiply) */
 static inline void krhpr_platform_planar_a_end_velocity(
     const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], double redundant_rate, double *KRHPR_RESTRICT s_dot)
+    const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -140,15 +140,15 @@ static inline void krhpr_platform_planar_a_end_velocity(
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
-    s_dot[0] = carried_0 - redundant_rate * a_1;
-    s_dot[1] = carried_1 + redundant_rate * a_0;
+    s_dot[0] = carried_0 - redundant_rates * a_1;
+    s_dot[1] = carried_1 + redundant_rates * a_0;
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply) */
 static inline void krhpr_platform_planar_a_end_acceleration(
     const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], double redundant_rate, const double twist_rate[3], double redundant_acceleration,
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
+    const double twist[3], double redundant_rates, const double twist_rate[3],
+    double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -158,12 +158,12 @@ static inline void krhpr_platform_planar_a_end_acceleration(
     const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
-    const double s_dot_0 = carried_0 - redundant_rate * a_1;
-    const double s_dot_1 = carried_1 + redundant_rate * a_0;
+    const double s_dot_0 = carried_0 - redundant_rates * a_1;
+    const double s_dot_1 = carried_1 + redundant_rates * a_0;
     const double t1 = twist[0] - (g->b[0] * (Q[2] * twist[2]) + g->b[1] * (Q[3] * twist[2])) - s_dot_0;
     const double t2 = twist[1] + (g->b[0] * (Q[0] * twist[2]) + g->b[1] * (Q[1] * twist[2])) - s_dot_1;
-    const double s_ddot_0 = twist_rate[0] - (twist_rate[2] * u_1 + twist[2] * (s_dot_1 - twist[1])) - (redundant_acceleration * a_1 + redundant_rate * t2);
-    const double s_ddot_1 = twist_rate[1] + (twist_rate[2] * u_0 + twist[2] * (s_dot_0 - twist[0])) + (redundant_acceleration * a_0 + redundant_rate * t1);
+    const double s_ddot_0 = twist_rate[0] - (twist_rate[2] * u_1 + twist[2] * (s_dot_1 - twist[1])) - (redundant_accelerations * a_1 + redundant_rates * t2);
+    const double s_ddot_1 = twist_rate[1] + (twist_rate[2] * u_0 + twist[2] * (s_dot_0 - twist[0])) + (redundant_accelerations * a_0 + redundant_rates * t1);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_ddot[0] = s_ddot_0;

@@ -166,7 +166,7 @@ static inline void krhpr_platform_spatial_a_line(
  * differentiated.  (24 add, 21 multiply) */
 static inline void krhpr_platform_spatial_a_end_velocity(
     const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rate, double *KRHPR_RESTRICT s_dot)
+    const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -180,16 +180,16 @@ static inline void krhpr_platform_spatial_a_end_velocity(
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
-    s_dot[0] = carried_0 + redundant_rate * (Q[5] * a_2 - Q[8] * a_1);
-    s_dot[1] = carried_1 + redundant_rate * (Q[8] * a_0 - Q[2] * a_2);
-    s_dot[2] = carried_2 + redundant_rate * (Q[2] * a_1 - Q[5] * a_0);
+    s_dot[0] = carried_0 + redundant_rates * (Q[5] * a_2 - Q[8] * a_1);
+    s_dot[1] = carried_1 + redundant_rates * (Q[8] * a_0 - Q[2] * a_2);
+    s_dot[2] = carried_2 + redundant_rates * (Q[2] * a_1 - Q[5] * a_0);
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (72 add, 75 multiply) */
 static inline void krhpr_platform_spatial_a_end_acceleration(
     const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rate, const double twist_rate[6], double redundant_acceleration,
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
+    const double twist[6], double redundant_rates, const double twist_rate[6],
+    double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -204,11 +204,11 @@ static inline void krhpr_platform_spatial_a_end_acceleration(
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
     const double t1 = Q[5] * a_2 - Q[8] * a_1;
-    const double s_dot_0 = carried_0 + redundant_rate * t1;
+    const double s_dot_0 = carried_0 + redundant_rates * t1;
     const double t2 = Q[8] * a_0 - Q[2] * a_2;
-    const double s_dot_1 = carried_1 + redundant_rate * t2;
+    const double s_dot_1 = carried_1 + redundant_rates * t2;
     const double t3 = Q[2] * a_1 - Q[5] * a_0;
-    const double s_dot_2 = carried_2 + redundant_rate * t3;
+    const double s_dot_2 = carried_2 + redundant_rates * t3;
     const double t4 = Q[8] * twist[4] - Q[5] * twist[5];
     const double t5 = Q[2] * twist[5] - Q[8] * twist[3];
     const double t6 = Q[5] * twist[3] - Q[2] * twist[4];
@@ -224,9 +224,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration(
     const double t16 = twist[0] + t13 - s_dot_0;
     const double t17 = twist[1] + t14 - s_dot_1;
     const double t18 = twist[2] + t15 - s_dot_2;
-    const double t19 = redundant_acceleration * t1 + redundant_rate * (a_2 * t5 + Q[5] * t18 - (a_1 * t6 + Q[8] * t17));
-    const double t20 = redundant_acceleration * t2 + redundant_rate * (a_0 * t6 + Q[8] * t16 - (a_2 * t4 + Q[2] * t18));
-    const double t21 = redundant_acceleration * t3 + redundant_rate * (a_1 * t4 + Q[2] * t17 - (a_0 * t5 + Q[5] * t16));
+    const double t19 = redundant_accelerations * t1 + redundant_rates * (a_2 * t5 + Q[5] * t18 - (a_1 * t6 + Q[8] * t17));
+    const double t20 = redundant_accelerations * t2 + redundant_rates * (a_0 * t6 + Q[8] * t16 - (a_2 * t4 + Q[2] * t18));
+    const double t21 = redundant_accelerations * t3 + redundant_rates * (a_1 * t4 + Q[2] * t17 - (a_0 * t5 + Q[5] * t16));
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;

@@ -137,7 +137,7 @@ static inline void krhpr_platform_spatial_c_line(
  * differentiated.  (15 add, 15 multiply) */
 static inline void krhpr_platform_spatial_c_end_velocity(
     const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rate, double *KRHPR_RESTRICT s_dot)
+    const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -148,16 +148,16 @@ static inline void krhpr_platform_spatial_c_end_velocity(
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
     const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
-    s_dot[0] = carried_0 + redundant_rate * Qt_0;
-    s_dot[1] = carried_1 + redundant_rate * Qt_1;
-    s_dot[2] = carried_2 + redundant_rate * Qt_2;
+    s_dot[0] = carried_0 + redundant_rates * Qt_0;
+    s_dot[1] = carried_1 + redundant_rates * Qt_1;
+    s_dot[2] = carried_2 + redundant_rates * Qt_2;
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
 static inline void krhpr_platform_spatial_c_end_acceleration(
     const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rate, const double twist_rate[6], double redundant_acceleration,
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
+    const double twist[6], double redundant_rates, const double twist_rate[6],
+    double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -168,9 +168,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration(
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
     const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
-    const double s_dot_0 = carried_0 + redundant_rate * Qt_0;
-    const double s_dot_1 = carried_1 + redundant_rate * Qt_1;
-    const double s_dot_2 = carried_2 + redundant_rate * Qt_2;
+    const double s_dot_0 = carried_0 + redundant_rates * Qt_0;
+    const double s_dot_1 = carried_1 + redundant_rates * Qt_1;
+    const double s_dot_2 = carried_2 + redundant_rates * Qt_2;
     const double t1 = s_dot_0 - twist[0];
     const double t2 = s_dot_1 - twist[1];
     const double t3 = s_dot_2 - twist[2];
@@ -183,9 +183,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration(
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    s_ddot[0] = t4 + (redundant_acceleration * Qt_0 + redundant_rate * t7);
-    s_ddot[1] = t5 + (redundant_acceleration * Qt_1 + redundant_rate * t8);
-    s_ddot[2] = t6 + (redundant_acceleration * Qt_2 + redundant_rate * t9);
+    s_ddot[0] = t4 + (redundant_accelerations * Qt_0 + redundant_rates * t7);
+    s_ddot[1] = t5 + (redundant_accelerations * Qt_1 + redundant_rates * t8);
+    s_ddot[2] = t6 + (redundant_accelerations * Qt_2 + redundant_rates * t9);
 }
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.

@@ -289,15 +289,15 @@ int krhpr_spatial_rrr_a_twist_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   in     twist (6, m/s, rad/s, base frame): twist [p_dot, omega]
- *   in     redundant_rate (3, rad/s or m/s, joint frame): rate of beta
+ *   in     redundant_rates (3, rad/s or m/s, joint frame): rate of beta
  *   out    theta_dot (3 x 3, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2,
  *          theta_3]
  */
 int krhpr_spatial_rrr_a_joint_rates(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
-    const double theta[9], const double twist[6], const double redundant_rate[3],
+    const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
-/* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rate (3); out = theta_dot (9); steps count doubles (status: ints)
+/* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3); out = theta_dot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 int krhpr_spatial_rrr_a_joint_rates_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[],
@@ -335,19 +335,20 @@ int krhpr_spatial_rrr_a_platform_acceleration_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   in     twist (6, m/s, rad/s, base frame): twist [p_dot, omega]
- *   in     redundant_rate (3, rad/s or m/s, joint frame): rate of beta
+ *   in     redundant_rates (3, rad/s or m/s, joint frame): rate of beta
  *   in     theta_dot (3 x 3, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2,
  *          theta_3]
  *   in     twist_rate (6, m/s^2, rad/s^2, base frame): rate of the twist
- *   in     redundant_acceleration (3, rad/s^2 or m/s^2, joint frame): second rate of beta
+ *   in     redundant_accelerations (3, rad/s^2 or m/s^2, joint frame): second rate of beta
  *   out    theta_ddot (3 x 3, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2, theta_3]
  */
 int krhpr_spatial_rrr_a_joint_accelerations(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
-    const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9],
-    const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot);
-/* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rate (3), theta_dot (9), twist_rate (6), redundant_acceleration (3); out = theta_ddot (9); steps count doubles (status: ints)
+    const double theta[9], const double twist[6], const double redundant_rates[3],
+    const double theta_dot[9], const double twist_rate[6], const double redundant_accelerations[3],
+    double *KRHPR_RESTRICT theta_ddot);
+/* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3), theta_dot (9), twist_rate (6), redundant_accelerations (3); out = theta_ddot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 int krhpr_spatial_rrr_a_joint_accelerations_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[],

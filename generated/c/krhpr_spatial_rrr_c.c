@@ -639,13 +639,13 @@ int krhpr_spatial_rrr_c_twist_batch(
 
 int krhpr_spatial_rrr_c_joint_rates(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
-    const double theta[9], const double twist[6], const double redundant_rate[3],
+    const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
     double regularity[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) == 0.0)) {
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) == 0.0)) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -663,7 +663,7 @@ int krhpr_spatial_rrr_c_joint_rates(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_c_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], s_dot);
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
@@ -770,14 +770,14 @@ int krhpr_spatial_rrr_c_platform_acceleration_batch(
 
 int krhpr_spatial_rrr_c_joint_accelerations(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
-    const double theta[9], const double twist[6], const double redundant_rate[3], const double theta_dot[9],
-    const double twist_rate[6], const double redundant_acceleration[3], double *KRHPR_RESTRICT theta_ddot)
+    const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
+    const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
     double regularity[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rate, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_acceleration, 3) == 0.0)) {
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
+          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -799,8 +799,8 @@ int krhpr_spatial_rrr_c_joint_accelerations(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_c_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rate[i], twist_rate,
-            redundant_acceleration[i], s_dot, s_ddot);
+            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_rrr_bias(
             &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);

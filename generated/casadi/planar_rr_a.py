@@ -336,7 +336,7 @@ def joint_rates(geometry: Any) -> Any:
             rt.Port("s", (3, 2), "stacked"),
             rt.Port("theta", (3, 2), "stacked"),
             rt.Port("twist", (3,), "shared"),
-            rt.Port("redundant_rate", (3,), "stacked"),
+            rt.Port("redundant_rates", (3,), "stacked"),
         ),
         (
             rt.Port("theta_dot", (3, 2), "stacked"),
@@ -349,7 +349,7 @@ def joint_rates(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_dot_i = platform.end_velocity(
             platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i),
-            call.leg("redundant_rate", i))
+            call.leg("redundant_rates", i))
         d_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         theta_dot_i, _regularity = subleg.rates(subleg.prepare(fields), d_i, u_2_i, s_dot_i)
         theta_dot += theta_dot_i
@@ -409,10 +409,10 @@ def joint_accelerations(geometry: Any) -> Any:
             rt.Port("s", (3, 2), "stacked"),
             rt.Port("theta", (3, 2), "stacked"),
             rt.Port("twist", (3,), "shared"),
-            rt.Port("redundant_rate", (3,), "stacked"),
+            rt.Port("redundant_rates", (3,), "stacked"),
             rt.Port("theta_dot", (3, 2), "stacked"),
             rt.Port("twist_rate", (3,), "shared"),
-            rt.Port("redundant_acceleration", (3,), "stacked"),
+            rt.Port("redundant_accelerations", (3,), "stacked"),
         ),
         (
             rt.Port("theta_ddot", (3, 2), "stacked"),
@@ -425,7 +425,7 @@ def joint_accelerations(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         _s_dot, s_ddot_i = platform.end_acceleration(
             platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), call.leg("twist", i),
-            call.leg("redundant_rate", i), call.leg("twist_rate", i), call.leg("redundant_acceleration", i))
+            call.leg("redundant_rates", i), call.leg("twist_rate", i), call.leg("redundant_accelerations", i))
         _s_dot_again, bias_i = subleg.bias(
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)

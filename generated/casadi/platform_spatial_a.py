@@ -178,14 +178,14 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any) -> tuple[Any, ...]:
+def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any) -> tuple[Any, ...]:
     """Velocity of the end point from the platform's twist and the redundant coordinate's rate.
     Thesis: (1.37) differentiated.  (24 add, 21 multiply)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
     s_0, s_1, s_2 = s
     twist_0, twist_1, twist_2, twist_3, twist_4, twist_5 = twist
-    redundant_rate, = redundant_rate
+    redundant_rates, = redundant_rates
     u_0 = s_0 - p_0  # O' to S_i
     u_1 = s_1 - p_1
     u_2 = s_2 - p_2
@@ -199,23 +199,23 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
     a_1 = p_1 + Qb_1 - s_1
     a_2 = p_2 + Qb_2 - s_2
     return (
-        carried_0 + redundant_rate * (Q_12 * a_2 - Q_22 * a_1),
-        carried_1 + redundant_rate * (Q_22 * a_0 - Q_02 * a_2),
-        carried_2 + redundant_rate * (Q_02 * a_1 - Q_12 * a_0),
+        carried_0 + redundant_rates * (Q_12 * a_2 - Q_22 * a_1),
+        carried_1 + redundant_rates * (Q_22 * a_0 - Q_02 * a_2),
+        carried_2 + redundant_rates * (Q_02 * a_1 - Q_12 * a_0),
     )
 
 
 def end_acceleration(
-    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any,
-    redundant_acceleration: Any) -> tuple[Any, ...]:
+    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any, twist_rate: Any,
+    redundant_accelerations: Any) -> tuple[Any, ...]:
     """Velocity and acceleration of the end point from those of the platform.  (72 add, 75 multiply)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
     s_0, s_1, s_2 = s
     twist_0, twist_1, twist_2, twist_3, twist_4, twist_5 = twist
-    redundant_rate, = redundant_rate
+    redundant_rates, = redundant_rates
     twist_rate_0, twist_rate_1, twist_rate_2, twist_rate_3, twist_rate_4, twist_rate_5 = twist_rate
-    redundant_acceleration, = redundant_acceleration
+    redundant_accelerations, = redundant_accelerations
     u_0 = s_0 - p_0  # O' to S_i
     u_1 = s_1 - p_1
     u_2 = s_2 - p_2
@@ -229,11 +229,11 @@ def end_acceleration(
     a_1 = p_1 + Qb_1 - s_1
     a_2 = p_2 + Qb_2 - s_2
     t1 = Q_12 * a_2 - Q_22 * a_1
-    s_dot_0 = carried_0 + redundant_rate * t1
+    s_dot_0 = carried_0 + redundant_rates * t1
     t2 = Q_22 * a_0 - Q_02 * a_2
-    s_dot_1 = carried_1 + redundant_rate * t2
+    s_dot_1 = carried_1 + redundant_rates * t2
     t3 = Q_02 * a_1 - Q_12 * a_0
-    s_dot_2 = carried_2 + redundant_rate * t3
+    s_dot_2 = carried_2 + redundant_rates * t3
     t4 = Q_22 * twist_4 - Q_12 * twist_5
     t5 = Q_02 * twist_5 - Q_22 * twist_3
     t6 = Q_12 * twist_3 - Q_02 * twist_4
@@ -249,9 +249,9 @@ def end_acceleration(
     t16 = twist_0 + t13 - s_dot_0
     t17 = twist_1 + t14 - s_dot_1
     t18 = twist_2 + t15 - s_dot_2
-    t19 = redundant_acceleration * t1 + redundant_rate * (a_2 * t5 + Q_12 * t18 - (a_1 * t6 + Q_22 * t17))
-    t20 = redundant_acceleration * t2 + redundant_rate * (a_0 * t6 + Q_22 * t16 - (a_2 * t4 + Q_02 * t18))
-    t21 = redundant_acceleration * t3 + redundant_rate * (a_1 * t4 + Q_02 * t17 - (a_0 * t5 + Q_12 * t16))
+    t19 = redundant_accelerations * t1 + redundant_rates * (a_2 * t5 + Q_12 * t18 - (a_1 * t6 + Q_22 * t17))
+    t20 = redundant_accelerations * t2 + redundant_rates * (a_0 * t6 + Q_22 * t16 - (a_2 * t4 + Q_02 * t18))
+    t21 = redundant_accelerations * t3 + redundant_rates * (a_1 * t4 + Q_02 * t17 - (a_0 * t5 + Q_12 * t16))
     return (
         (  # s_dot
             s_dot_0,

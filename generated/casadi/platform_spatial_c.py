@@ -155,14 +155,14 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any) -> tuple[Any, ...]:
+def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any) -> tuple[Any, ...]:
     """Velocity of the end point from the platform's twist and the redundant coordinate's rate.
     Thesis: (1.37) differentiated.  (15 add, 15 multiply)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     s_0, s_1, s_2 = s
     twist_0, twist_1, twist_2, twist_3, twist_4, twist_5 = twist
-    redundant_rate, = redundant_rate
+    redundant_rates, = redundant_rates
     u_0 = s_0 - p_0  # O' to S_i
     u_1 = s_1 - p_1
     u_2 = s_2 - p_2
@@ -173,23 +173,23 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
     Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
     Qt_2 = g.t[0] * Q_20 + g.t[1] * Q_21
     return (
-        carried_0 + redundant_rate * Qt_0,
-        carried_1 + redundant_rate * Qt_1,
-        carried_2 + redundant_rate * Qt_2,
+        carried_0 + redundant_rates * Qt_0,
+        carried_1 + redundant_rates * Qt_1,
+        carried_2 + redundant_rates * Qt_2,
     )
 
 
 def end_acceleration(
-    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any,
-    redundant_acceleration: Any) -> tuple[Any, ...]:
+    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any, twist_rate: Any,
+    redundant_accelerations: Any) -> tuple[Any, ...]:
     """Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     s_0, s_1, s_2 = s
     twist_0, twist_1, twist_2, twist_3, twist_4, twist_5 = twist
-    redundant_rate, = redundant_rate
+    redundant_rates, = redundant_rates
     twist_rate_0, twist_rate_1, twist_rate_2, twist_rate_3, twist_rate_4, twist_rate_5 = twist_rate
-    redundant_acceleration, = redundant_acceleration
+    redundant_accelerations, = redundant_accelerations
     u_0 = s_0 - p_0  # O' to S_i
     u_1 = s_1 - p_1
     u_2 = s_2 - p_2
@@ -199,9 +199,9 @@ def end_acceleration(
     Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01  # Q t_i
     Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
     Qt_2 = g.t[0] * Q_20 + g.t[1] * Q_21
-    s_dot_0 = carried_0 + redundant_rate * Qt_0
-    s_dot_1 = carried_1 + redundant_rate * Qt_1
-    s_dot_2 = carried_2 + redundant_rate * Qt_2
+    s_dot_0 = carried_0 + redundant_rates * Qt_0
+    s_dot_1 = carried_1 + redundant_rates * Qt_1
+    s_dot_2 = carried_2 + redundant_rates * Qt_2
     t1 = s_dot_0 - twist_0
     t2 = s_dot_1 - twist_1
     t3 = s_dot_2 - twist_2
@@ -218,9 +218,9 @@ def end_acceleration(
             s_dot_2,
         ),
         (  # s_ddot
-            t4 + (redundant_acceleration * Qt_0 + redundant_rate * t7),
-            t5 + (redundant_acceleration * Qt_1 + redundant_rate * t8),
-            t6 + (redundant_acceleration * Qt_2 + redundant_rate * t9),
+            t4 + (redundant_accelerations * Qt_0 + redundant_rates * t7),
+            t5 + (redundant_accelerations * Qt_1 + redundant_rates * t8),
+            t6 + (redundant_accelerations * Qt_2 + redundant_rates * t9),
         ),
     )
 

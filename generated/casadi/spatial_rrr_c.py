@@ -355,7 +355,7 @@ def joint_rates(geometry: Any) -> Any:
             rt.Port("s", (3, 3), "stacked"),
             rt.Port("theta", (3, 3), "stacked"),
             rt.Port("twist", (6,), "shared"),
-            rt.Port("redundant_rate", (3,), "stacked"),
+            rt.Port("redundant_rates", (3,), "stacked"),
         ),
         (
             rt.Port("theta_dot", (3, 3), "stacked"),
@@ -367,7 +367,7 @@ def joint_rates(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_dot_i = platform.end_velocity(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
-            call.leg("twist", i), call.leg("redundant_rate", i))
+            call.leg("twist", i), call.leg("redundant_rates", i))
         x_i, e_2_i, d_i, v_1_i = subleg.posture(
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         theta_dot_i, _regularity = subleg.rates(subleg.prepare(fields), x_i, e_2_i, d_i, v_1_i, s_dot_i)
@@ -429,10 +429,10 @@ def joint_accelerations(geometry: Any) -> Any:
             rt.Port("s", (3, 3), "stacked"),
             rt.Port("theta", (3, 3), "stacked"),
             rt.Port("twist", (6,), "shared"),
-            rt.Port("redundant_rate", (3,), "stacked"),
+            rt.Port("redundant_rates", (3,), "stacked"),
             rt.Port("theta_dot", (3, 3), "stacked"),
             rt.Port("twist_rate", (6,), "shared"),
-            rt.Port("redundant_acceleration", (3,), "stacked"),
+            rt.Port("redundant_accelerations", (3,), "stacked"),
         ),
         (
             rt.Port("theta_ddot", (3, 3), "stacked"),
@@ -444,8 +444,8 @@ def joint_accelerations(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         _s_dot, s_ddot_i = platform.end_acceleration(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
-            call.leg("twist", i), call.leg("redundant_rate", i), call.leg("twist_rate", i),
-            call.leg("redundant_acceleration", i))
+            call.leg("twist", i), call.leg("redundant_rates", i), call.leg("twist_rate", i),
+            call.leg("redundant_accelerations", i))
         _s_dot_again, bias_i = subleg.bias(
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)

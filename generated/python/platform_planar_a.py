@@ -142,14 +142,14 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any) -> tuple[Any, ...]:
+def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any) -> tuple[Any, ...]:
     """Velocity of the end point from the platform's twist and the redundant coordinate's rate.
     Thesis: (1.37) differentiated.  (12 add, 8 multiply)"""
     p_0, p_1 = p
     Q_00, Q_01, Q_10, Q_11 = Q
     s_0, s_1 = s
     twist_0, twist_1, twist_2 = twist
-    redundant_rate, = redundant_rate
+    redundant_rates, = redundant_rates
     u_0 = s_0 - p_0  # O' to S_i
     u_1 = s_1 - p_1
     carried_0 = twist_0 - twist_2 * u_1
@@ -159,22 +159,22 @@ def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any
     a_0 = p_0 + Qb_0 - s_0  # (2.3)
     a_1 = p_1 + Qb_1 - s_1
     return (
-        carried_0 - redundant_rate * a_1,
-        carried_1 + redundant_rate * a_0,
+        carried_0 - redundant_rates * a_1,
+        carried_1 + redundant_rates * a_0,
     )
 
 
 def end_acceleration(
-    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rate: Any, twist_rate: Any,
-    redundant_acceleration: Any) -> tuple[Any, ...]:
+    g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any, twist_rate: Any,
+    redundant_accelerations: Any) -> tuple[Any, ...]:
     """Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply)"""
     p_0, p_1 = p
     Q_00, Q_01, Q_10, Q_11 = Q
     s_0, s_1 = s
     twist_0, twist_1, twist_2 = twist
-    redundant_rate, = redundant_rate
+    redundant_rates, = redundant_rates
     twist_rate_0, twist_rate_1, twist_rate_2 = twist_rate
-    redundant_acceleration, = redundant_acceleration
+    redundant_accelerations, = redundant_accelerations
     u_0 = s_0 - p_0  # O' to S_i
     u_1 = s_1 - p_1
     carried_0 = twist_0 - twist_2 * u_1
@@ -183,12 +183,12 @@ def end_acceleration(
     Qb_1 = g.b[0] * Q_10 + g.b[1] * Q_11
     a_0 = p_0 + Qb_0 - s_0  # (2.3)
     a_1 = p_1 + Qb_1 - s_1
-    s_dot_0 = carried_0 - redundant_rate * a_1
-    s_dot_1 = carried_1 + redundant_rate * a_0
-    t1 = redundant_rate * (twist_1 + (g.b[0] * (Q_00 * twist_2) + g.b[1] * (Q_01 * twist_2)) - s_dot_1)
-    s_ddot_0 = twist_rate_0 - (twist_rate_2 * u_1 + twist_2 * (s_dot_1 - twist_1)) - (redundant_acceleration * a_1 + t1)
-    t2 = redundant_rate * (twist_0 - (g.b[0] * (Q_10 * twist_2) + g.b[1] * (Q_11 * twist_2)) - s_dot_0)
-    s_ddot_1 = twist_rate_1 + (twist_rate_2 * u_0 + twist_2 * (s_dot_0 - twist_0)) + (redundant_acceleration * a_0 + t2)
+    s_dot_0 = carried_0 - redundant_rates * a_1
+    s_dot_1 = carried_1 + redundant_rates * a_0
+    t1 = redundant_rates * (twist_1 + (g.b[0] * (Q_00 * twist_2) + g.b[1] * (Q_01 * twist_2)) - s_dot_1)
+    s_ddot_0 = twist_rate_0 - (twist_rate_2 * u_1 + twist_2 * (s_dot_1 - twist_1)) - (redundant_accelerations * a_1 + t1)
+    t2 = redundant_rates * (twist_0 - (g.b[0] * (Q_10 * twist_2) + g.b[1] * (Q_11 * twist_2)) - s_dot_0)
+    s_ddot_1 = twist_rate_1 + (twist_rate_2 * u_0 + twist_2 * (s_dot_0 - twist_0)) + (redundant_accelerations * a_0 + t2)
     return (
         (  # s_dot
             s_dot_0,

@@ -366,7 +366,7 @@ SIGNATURES = {
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
             rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
             rt.Port("twist", (6,), "m/s, rad/s", "base", "twist [p_dot, omega]", "shared", ()),
-            rt.Port("redundant_rate", (3,), "rad/s or m/s", "joint", "rate of beta", "stacked", ()),
+            rt.Port("redundant_rates", (3,), "rad/s or m/s", "joint", "rate of beta", "stacked", ()),
         ),
         (
             rt.Port("theta_dot", (3, 3), "rad/s or m/s", "joint", "rates of the actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
@@ -401,10 +401,10 @@ SIGNATURES = {
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
             rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
             rt.Port("twist", (6,), "m/s, rad/s", "base", "twist [p_dot, omega]", "shared", ()),
-            rt.Port("redundant_rate", (3,), "rad/s or m/s", "joint", "rate of beta", "stacked", ()),
+            rt.Port("redundant_rates", (3,), "rad/s or m/s", "joint", "rate of beta", "stacked", ()),
             rt.Port("theta_dot", (3, 3), "rad/s or m/s", "joint", "rates of the actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
             rt.Port("twist_rate", (6,), "m/s^2, rad/s^2", "base", "rate of the twist", "shared", ()),
-            rt.Port("redundant_acceleration", (3,), "rad/s^2 or m/s^2", "joint", "second rate of beta", "stacked", ()),
+            rt.Port("redundant_accelerations", (3,), "rad/s^2 or m/s^2", "joint", "second rate of beta", "stacked", ()),
         ),
         (
             rt.Port("theta_ddot", (3, 3), "rad/s^2 or m/s^2", "joint", "accelerations of the actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
@@ -968,7 +968,7 @@ def twist(
 
 
 def joint_rates(
-    p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, *,
+    p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rates: Any, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Rates of the actuated joints from the twist and the rates of the redundant coordinates.
 
@@ -980,7 +980,7 @@ def joint_rates(
         s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
         theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
         twist (..., 6) [m/s, rad/s] in the base frame: twist [p_dot, omega]
-        redundant_rate (..., 3) [rad/s or m/s]: rate of beta
+        redundant_rates (..., 3) [rad/s or m/s]: rate of beta
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -988,12 +988,12 @@ def joint_rates(
         theta_dot (..., 3, 3) [rad/s or m/s]: rates of the actuated joints [theta_1, theta_2,
             theta_3]
     """
-    arguments = rt.Arguments(SIGNATURES["joint_rates"], (p, Q, s, theta, twist, redundant_rate,))
+    arguments = rt.Arguments(SIGNATURES["joint_rates"], (p, Q, s, theta, twist, redundant_rates,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s_dot = platform.end_velocity(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"),
-            arguments.leg("redundant_rate"))
+            arguments.leg("redundant_rates"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         theta_dot, regularity = subleg.rates(g.subleg, x, e_2, d, u_1, u_2, s_dot)
         results = arguments.finish(
@@ -1063,8 +1063,8 @@ def platform_acceleration(
 
 
 def joint_accelerations(
-    p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rate: Any, theta_dot: Any,
-    twist_rate: Any, redundant_acceleration: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    p: Any, Q: Any, s: Any, theta: Any, twist: Any, redundant_rates: Any, theta_dot: Any,
+    twist_rate: Any, redundant_accelerations: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
     status: bool = False) -> Any:
     """Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates
     give.
@@ -1077,11 +1077,11 @@ def joint_accelerations(
         s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
         theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
         twist (..., 6) [m/s, rad/s] in the base frame: twist [p_dot, omega]
-        redundant_rate (..., 3) [rad/s or m/s]: rate of beta
+        redundant_rates (..., 3) [rad/s or m/s]: rate of beta
         theta_dot (..., 3, 3) [rad/s or m/s]: rates of the actuated joints [theta_1, theta_2,
             theta_3]
         twist_rate (..., 6) [m/s^2, rad/s^2] in the base frame: rate of the twist
-        redundant_acceleration (..., 3) [rad/s^2 or m/s^2]: second rate of beta
+        redundant_accelerations (..., 3) [rad/s^2 or m/s^2]: second rate of beta
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -1089,13 +1089,13 @@ def joint_accelerations(
         theta_ddot (..., 3, 3) [rad/s^2 or m/s^2]: accelerations of the actuated joints
             [theta_1, theta_2, theta_3]
     """
-    arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, Q, s, theta, twist, redundant_rate, theta_dot, twist_rate, redundant_acceleration,))
+    arguments = rt.Arguments(SIGNATURES["joint_accelerations"], (p, Q, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         _s_dot, s_ddot = platform.end_acceleration(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"),
-            arguments.leg("redundant_rate"), arguments.leg("twist_rate"),
-            arguments.leg("redundant_acceleration"))
+            arguments.leg("redundant_rates"), arguments.leg("twist_rate"),
+            arguments.leg("redundant_accelerations"))
         _s_dot_again, bias = subleg.bias(
             g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Signature
     from krhpr.robot import Robot
 
-_ZERO_UNLESS_GIVEN = {("joint_rates", "redundant_rate"), ("joint_accelerations", "redundant_acceleration")}
+_ZERO_UNLESS_GIVEN = {("joint_rates", "redundant_rates"), ("joint_accelerations", "redundant_accelerations")}
 
 
 def run(options: argparse.Namespace) -> int:

@@ -39,15 +39,33 @@ def differentiable_outputs(kernel: Kernel) -> tuple[Port, ...]:
     return tuple(found)
 
 
-def tangent_twin(kernel: Kernel) -> Kernel | None:
-    """The kernel with a tangent for every input (but branches) and every differentiable output; None where there is none.
+@dataclass(frozen=True)
+class TwinPorts:
+    """Arguments of a twin: values, then tangents."""
 
-    Nodes that do not depend on tangents come first, and those that the others read have names.
-    """
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+
+
+def twin_ports(kernel: Kernel) -> TwinPorts | None:
+    """A tangent for every input (but branches) and every differentiable output; None where there is none."""
     outputs = differentiable_outputs(kernel)
     if not outputs:
         return None
-    carried = tuple(port for port in kernel.inputs if port.name not in BRANCHES)
+    carried = (port for port in kernel.inputs if port.name not in BRANCHES)
+    return TwinPorts((*kernel.inputs, *map(_tangent_port, carried)), (*outputs, *map(_tangent_port, outputs)))
+
+
+def tangent_twin(kernel: Kernel) -> Kernel | None:
+    """The twin of a kernel, where it has one.
+
+    Nodes that do not depend on tangents come first, and those that the others read have names.
+    """
+    ports = twin_ports(kernel)
+    if ports is None:
+        return None
+    outputs = differentiable_outputs(kernel)
+    carried = [port for port in kernel.inputs if port.name not in BRANCHES]
     graph = Graph()
     place = kernel.graph.copy_into(graph, {})
     seeds = {
@@ -68,8 +86,8 @@ def tangent_twin(kernel: Kernel) -> Kernel | None:
         kernel,
         name=kernel.name + SUFFIX,
         doc=f"`{kernel.name}` with the derivatives of its outputs along directions of its inputs.",
-        inputs=(*kernel.inputs, *map(_tangent_port, carried)),
-        outputs=(*outputs, *map(_tangent_port, outputs)),
+        inputs=ports.inputs,
+        outputs=ports.outputs,
         graph=graph,
         results=results,
     )

@@ -19,13 +19,14 @@ from krhpr.validation.subject import Subject
 
 
 def arguments(subject: Subject, check: Check, function: RobotFunction, count: int) -> Batch:
-    """Consistent configurations; for the constraints, which cancel there, end points beside them."""
+    """Consistent configurations; beside them for errors and residuals, which cancel there."""
     batch = draw(subject, check.seed, count)
-    if function.name == "constraints":
-        rng = np.random.default_rng(check.seed)
-        s = batch.values["s"]
-        return batch.changed(s=s + rng.uniform(-0.03, 0.03, s.shape))
-    return batch
+    beside = {"constraints": "s", "rotation_error": "Q"}.get(function.name)
+    if beside is None:
+        return batch
+    values = batch.values[beside]
+    rng = np.random.default_rng(check.seed)
+    return batch.changed(**{beside: values + rng.uniform(-0.03, 0.03, values.shape)})
 
 
 def against_numpy(subject: Subject, check: Check, count: int) -> Measured:

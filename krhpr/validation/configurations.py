@@ -65,8 +65,8 @@ def configuration(subject: Subject, source: Draw) -> Configuration:
     sizes = {
         "twist": freedom,
         "twist_rate": freedom,
-        "redundant_rate": LEGS,
-        "redundant_acceleration": LEGS,
+        "redundant_rates": LEGS,
+        "redundant_accelerations": LEGS,
         "theta_dot": LEGS * n,
         "theta_ddot": LEGS * n,
     }

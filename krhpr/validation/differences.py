@@ -17,8 +17,9 @@ from krhpr.validation.plan import Check
 from krhpr.validation.sampling import Batch, draw, rotations
 from krhpr.validation.subject import Subject
 
-STEP = 1e-5
-SECOND_STEP = 1e-4
+STEP = 3e-5
+"""Metres, radians or seconds.  Truncation is (STEP / distance to a singularity)^4, rounding 1e-16 / STEP."""
+SECOND_STEP = 3e-4
 
 Body = Callable[[Numeric, Batch, Measured], None]
 
@@ -56,6 +57,21 @@ def call(one: Numeric, batch: Batch, name: str, **values: Any) -> dict[str, Floa
     return one.call(name, {port.name: everything[port.name] for port in function.inputs}, batch.geometry)
 
 
+def quotient(values: Callable[[float], Floats], gap: Callable[[Floats, Floats], Floats] = np.subtract) -> Floats:
+    """The derivative at zero by central differences of fourth order."""
+    near, far = (gap(values(k * STEP), values(-k * STEP)) for k in (1, 2))
+    result: Floats = (8 * near - far) / (12 * STEP)
+    return result
+
+
+def second_quotient(values: Callable[[float], Floats], gap: Callable[[Floats, Floats], Floats]) -> Floats:
+    """The second derivative at zero by central differences of fourth order."""
+    h, here = SECOND_STEP, values(0.0)
+    near, far = (gap(values(k * h), here) - gap(here, values(-k * h)) for k in (1, 2))
+    result: Floats = (16 * near - far) / (12 * h**2)
+    return result
+
+
 # -- motions ----------------------------------------------------------------------------------------------------------
 
 
@@ -73,11 +89,11 @@ def along(one: Numeric, batch: Batch, time: float) -> dict[str, Floats]:
     """Pose, redundant coordinates, end points, joints and rates after `time` along the batch's motion."""
     v = batch.values
     here = moved(batch, v["twist"], time, v["twist_rate"])
-    redundant = v["redundant"] + v["redundant_rate"] * time + 0.5 * v["redundant_acceleration"] * time**2
+    redundant = v["redundant"] + v["redundant_rates"] * time + 0.5 * v["redundant_accelerations"] * time**2
     here |= {
         "redundant": redundant,
         "twist": v["twist"] + v["twist_rate"] * time,
-        "redundant_rate": v["redundant_rate"] + v["redundant_acceleration"] * time,
+        "redundant_rates": v["redundant_rates"] + v["redundant_accelerations"] * time,
     }
     here["s"] = call(one, batch, "end_points", **here)["s"]
     here["theta"] = call(one, batch, "inverse", **here)["theta"]
@@ -89,16 +105,24 @@ def joint_rates(one: Numeric, batch: Batch, time: float) -> Floats:
     return call(one, batch, "joint_rates", **along(one, batch, time))["theta_dot"]
 
 
+def joints(one: Numeric, batch: Batch) -> Callable[[float], Floats]:
+    """inverse along the batch's motion."""
+    return lambda time: along(one, batch, time)["theta"]
+
+
+def by_arc(one: Numeric) -> Callable[[Floats, Floats], Floats]:
+    """Differences of joints, along the smaller arc."""
+    return lambda after, before: arc(after, before, one.subject.code.angular)
+
+
 def differenced_rates(one: Numeric, batch: Batch) -> Floats:
     """Difference quotients of inverse along the motion."""
-    after, before = (along(one, batch, time)["theta"] for time in (STEP, -STEP))
-    return arc(after, before, one.subject.code.angular) / (2 * STEP)
+    return quotient(joints(one, batch), by_arc(one))
 
 
 def differenced_accelerations(one: Numeric, batch: Batch) -> Floats:
     """Difference quotients of joint_rates along the motion."""
-    result: Floats = (joint_rates(one, batch, STEP) - joint_rates(one, batch, -STEP)) / (2 * STEP)
-    return result
+    return quotient(lambda time: joint_rates(one, batch, time))
 
 
 # -- checks -----------------------------------------------------------------------------------------------------------
@@ -116,11 +140,13 @@ def m_of_forward(one: Numeric, batch: Batch, found: Measured) -> None:
     M = call(one, batch, "subleg_jacobian")["M"]
     theta = batch.values["theta"]
     for joint in range(one.subject.subleg.n):
-        after, before = (
-            call(one, batch, "subleg_forward", theta=_bumped(theta, joint, step))["s"] for step in (STEP, -STEP)
-        )
+
+
+        def end(step: float, joint: int = joint) -> Floats:
+            return call(one, batch, "subleg_forward", theta=_bumped(theta, joint, step))["s"]
+
         scale = np.abs(M).max(axis=(-2, -1))[..., None]
-        found.worse(np.abs((after - before) / (2 * STEP) - M[..., joint]) / scale, f"column {joint}")
+        found.worse(np.abs(quotient(end) - M[..., joint]) / scale, f"column {joint}")
 
 
 def m_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
@@ -131,11 +157,12 @@ def m_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
         M = call(one, batch, "subleg_jacobian", theta=every[:, :, mode])["M"]
         columns = []
         for axis in range(s.shape[-1]):
-            after, before = (
-                call(one, batch, "subleg_inverse", s=_bumped(s, axis, step))["theta"][:, :, mode]
-                for step in (STEP, -STEP)
-            )
-            columns.append(arc(after, before, one.subject.code.angular) / (2 * STEP))
+
+
+            def found_joints(step: float, axis: int = axis, mode: int = mode) -> Floats:
+                return call(one, batch, "subleg_inverse", s=_bumped(s, axis, step))["theta"][:, :, mode]
+
+            columns.append(quotient(found_joints, by_arc(one)))
         slope = np.stack(columns, axis=-1)
         scale = np.abs(M).max(axis=(-2, -1)) * np.abs(slope).max(axis=(-2, -1)) * n
         gap = np.abs(M @ slope - np.eye(s.shape[-1])).max(axis=(-2, -1))
@@ -148,10 +175,12 @@ def _columns_of_j(one: Numeric, batch: Batch) -> Floats:
     for index in range(freedom):
         twist = np.zeros((len(batch), freedom))
         twist[:, index] = 1.0
-        after, before = (
-            call(one, batch, "constraints", **moved(batch, twist, step))["residual"] for step in (STEP, -STEP)
-        )
-        columns.append((after - before) / (2 * STEP))
+
+
+        def residual(step: float, twist: Floats = twist) -> Floats:
+            return call(one, batch, "constraints", **moved(batch, twist, step))["residual"]
+
+        columns.append(quotient(residual))
     return np.stack(columns, axis=-1)
 
 
@@ -160,13 +189,15 @@ def _columns_of_k(one: Numeric, batch: Batch) -> Floats:
     theta, columns = batch.values["theta"], []
     for leg in range(theta.shape[1]):
         for joint in range(theta.shape[2]):
-            residuals = []
-            for step in (STEP, -STEP):
+
+
+            def residual(step: float, leg: int = leg, joint: int = joint) -> Floats:
                 bumped = theta.copy()
                 bumped[:, leg, joint] += step
                 s = call(one, batch, "subleg_forward", theta=bumped)["s"]
-                residuals.append(call(one, batch, "constraints", s=s)["residual"])
-            columns.append((residuals[1] - residuals[0]) / (2 * STEP))
+                return -call(one, batch, "constraints", s=s)["residual"]
+
+            columns.append(quotient(residual))
     return np.stack(columns, axis=-1)
 
 
@@ -209,9 +240,7 @@ def accelerations(one: Numeric, batch: Batch, found: Measured) -> None:
 
 def second_differences(one: Numeric, batch: Batch, found: Measured) -> None:
     """joint_accelerations, from second differences of the inverse."""
-    before, here, after = (along(one, batch, time)["theta"] for time in (-SECOND_STEP, 0.0, SECOND_STEP))
-    angular = one.subject.code.angular
-    got = (arc(after, here, angular) - arc(here, before, angular)) / SECOND_STEP**2
+    got = second_quotient(joints(one, batch), by_arc(one))
     wanted = call(one, batch, "joint_accelerations", theta_dot=joint_rates(one, batch, 0.0))["theta_ddot"]
     compare(found, got, wanted, "theta_ddot", 2)
 

@@ -72,15 +72,29 @@ EXACT = 0.0
 BALL = 1e-60
 """Enclosures of 300 bits equal to this: what has roots or arctangents in it."""
 
+ROUNDING = 1e-13
+"""A function in doubles."""
+ROUND_TRIP = 1e-11
+"""Functions in doubles, one after the other, there and back."""
+FIRST = 1e-8
+"""First differences."""
+SECOND = 1e-6
+"""Second differences."""
+DECIMALS = 1e-9
+"""Numbers with some twelve decimals."""
+
 REASONS = {
-    "exact": "rational numbers: rational operations and sines and cosines of rational angles are computed without rounding",
-    "1e-60": "enclosures in 300-bit ball arithmetic, where roots and arctangents occur",
-    "2e-8": "central differences with a step of 1e-5: truncation and rounding are each below 1e-9 of the scale, times the "
-    "condition of the configuration",
-    "2e-5": "second differences with a step of 1e-4: rounding alone is 4e-8 of the scale, times the condition",
-    "2e-11": "some hundred roundings of 1e-16, times the condition of configurations whose singular factors are above 0.1",
-    "1e-9": "differences of nearly equal configurations along a path, or decimals of a reference",
+    EXACT: "rational numbers: rational operations, and sines and cosines of rational angles, are computed without rounding",
+    BALL: "300-bit ball arithmetic, where roots and arctangents occur: enclosures are narrower than 1e-80",
+    ROUNDING: "some hundred roundings of 1e-16, relative to the scale of the output, in configurations whose singular "
+    "factors are above 0.1",
+    ROUND_TRIP: "the same through several functions, amplified by the condition of the matrices that are inverted on the way",
+    FIRST: "central differences of fourth order, step 3e-5: rounding is 1e-11 of the scale, truncation grows with the "
+    "fourth power of step over distance to a singularity",
+    SECOND: "second differences of fourth order, step 3e-4: rounding alone is 1e-8 of the scale",
+    DECIMALS: "references are printed with twelve or more digits in millimetres; paths are compared from step to step",
 }
+"""Why each tolerance is what it is."""
 
 
 @dataclass(frozen=True)
@@ -358,7 +372,7 @@ def _agreement(robot: RobotCode) -> Iterator[Check]:
         for target in (Target.C, Target.CASADI):
             if target is Target.C or function.calls:
                 yield Check(
-                    Kind.AGREEMENT, robot.identifier, function.name, target, 2e-11, Samples(60, 2000),
+                    Kind.AGREEMENT, robot.identifier, function.name, target, ROUNDING, Samples(60, 2000),
                     f"{target} and NumPy agree; where they do not, a ball evaluation says which one is off.", "against NumPy",
                 )
 
@@ -368,7 +382,7 @@ def _digits(robot: RobotCode) -> Iterator[Check]:
         for target in PRINTED:
             if target is not Target.CASADI or function.calls:
                 yield Check(
-                    Kind.DIGITS, robot.identifier, function.name, target, 2e-11, Samples(4, 60),
+                    Kind.DIGITS, robot.identifier, function.name, target, ROUNDING, Samples(4, 60),
                     "The result in doubles against the derivation in 300-bit balls.", "error of doubles",
                 )
 
@@ -389,45 +403,43 @@ class _Rule:
 
 
 _BATCH = Samples(40, 2000)
-_FIRST = 2e-8
-_SECOND = 2e-5
 
 _DIFFERENCES = (
     _Rule(
-        "M of forward", "subleg_jacobian", _FIRST, _BATCH,
+        "M of forward", "subleg_jacobian", FIRST, _BATCH,
         "M equals the difference quotients of subleg_forward.", ("subleg_forward",),
     ),
     _Rule(
-        "M of inverse", "subleg_jacobian", _FIRST, _BATCH,
+        "M of inverse", "subleg_jacobian", FIRST, _BATCH,
         "M times the difference quotients of subleg_inverse is the identity, in every working mode.", ("subleg_inverse",),
     ),
-    _Rule("J", "jacobians", _FIRST, _BATCH, "J equals the difference quotients of constraints over the pose.", ("constraints",)),
+    _Rule("J", "jacobians", FIRST, _BATCH, "J equals the difference quotients of constraints over the pose.", ("constraints",)),
     _Rule(
-        "K", "jacobians", _FIRST, _BATCH,
+        "K", "jacobians", FIRST, _BATCH,
         "K equals those of constraints over the joints, through subleg_forward.", ("constraints", "subleg_forward"),
     ),
     _Rule(
-        "J and blocks", "jacobian_blocks", _FIRST, _BATCH,
+        "J and blocks", "jacobian_blocks", FIRST, _BATCH,
         "J and the blocks of K equal difference quotients of constraints.", ("constraints", "subleg_forward"),
     ),
     _Rule(
-        "rates", "joint_rates", _FIRST, _BATCH,
+        "rates", "joint_rates", FIRST, _BATCH,
         "joint_rates equals difference quotients of inverse along a motion.", ("inverse", "end_points"),
     ),
     _Rule(
-        "twist", "twist", _FIRST, _BATCH,
+        "twist", "twist", FIRST, _BATCH,
         "twist of the difference quotients of inverse is the twist of the motion.", ("inverse",),
     ),
     _Rule(
-        "accelerations", "joint_accelerations", _FIRST, _BATCH,
+        "accelerations", "joint_accelerations", FIRST, _BATCH,
         "joint_accelerations equals difference quotients of joint_rates along a motion.", ("joint_rates",),
     ),
     _Rule(
-        "second differences", "joint_accelerations", _SECOND, _BATCH,
+        "second differences", "joint_accelerations", SECOND, _BATCH,
         "joint_accelerations equals second differences of inverse along a motion.", ("inverse",),
     ),
     _Rule(
-        "platform acceleration", "platform_acceleration", _FIRST, _BATCH,
+        "platform acceleration", "platform_acceleration", FIRST, _BATCH,
         "platform_acceleration of the difference quotients of joint_rates is that of the motion.", ("joint_rates",),
     ),
 )
@@ -451,27 +463,25 @@ def factors_are_signs(robot: RobotCode) -> bool:
     return robot.subleg.name in FIRST_PRINCIPLES
 
 
-_ROUND = 2e-11
-
 _INVARIANTS = (
     _Rule(
-        "loop closure", "constraints", _ROUND, _BATCH,
+        "loop closure", "constraints", ROUND_TRIP, _BATCH,
         "End points satisfy the constraint equations.", ("end_points",),
     ),
     _Rule(
-        "redundant coordinates", "redundant_coordinates", _ROUND, _BATCH,
+        "redundant coordinates", "redundant_coordinates", ROUND_TRIP, _BATCH,
         "Redundant coordinates come back from the end points.", ("end_points",),
     ),
     _Rule(
-        "forward after inverse", "subleg_inverse", _ROUND, _BATCH,
+        "forward after inverse", "subleg_inverse", ROUND_TRIP, _BATCH,
         "Every working mode leads back to the end point, in an assembly mode of its own.", ("subleg_forward",),
     ),
     _Rule(
-        "inverse after forward", "subleg_forward", _ROUND, _BATCH,
+        "inverse after forward", "subleg_forward", ROUND_TRIP, _BATCH,
         "In every assembly mode the joints are found again among the working modes.", ("subleg_inverse",),
     ),
     _Rule(
-        "modes", "inverse_all", _ROUND, _BATCH,
+        "modes", "inverse_all", ROUND_TRIP, _BATCH,
         "inverse, inverse_all and subleg_inverse give the same joints in the same order of modes.",
         ("inverse", "subleg_inverse"),
     ),
@@ -480,22 +490,22 @@ _INVARIANTS = (
         "The signs of the working mode are those of the leg's factors.", ("singularity",), factors_are_signs,
     ),
     _Rule(
-        "defaults", "inverse", _ROUND, _BATCH,
+        "defaults", "inverse", ROUND_TRIP, _BATCH,
         "Without a mode the default working mode is used, and without an assembly mode its end point comes back.",
         ("subleg_forward",),
     ),
     _Rule(
-        "virtual work", "twist", _ROUND, _BATCH,
+        "virtual work", "twist", ROUND_TRIP, _BATCH,
         "The power of any wrench equals that of the torques (J^-1 K)^T F that balance it.", ("jacobians",),
     ),
-    _Rule("J t = K theta_dot", "jacobians", _ROUND, _BATCH, "The velocity equation holds.", ("joint_rates", "jacobian_blocks")),
-    _Rule("rates and twist", "joint_rates", _ROUND, _BATCH, "twist undoes joint_rates.", ("twist",)),
+    _Rule("J t = K theta_dot", "jacobians", ROUND_TRIP, _BATCH, "The velocity equation holds.", ("joint_rates", "jacobian_blocks")),
+    _Rule("rates and twist", "joint_rates", ROUND_TRIP, _BATCH, "twist undoes joint_rates.", ("twist",)),
     _Rule(
-        "accelerations", "joint_accelerations", _ROUND, _BATCH,
+        "accelerations", "joint_accelerations", ROUND_TRIP, _BATCH,
         "platform_acceleration undoes joint_accelerations.", ("platform_acceleration",),
     ),
     _Rule(
-        "determinants", "singularity", _ROUND, _BATCH,
+        "determinants", "singularity", ROUND_TRIP, _BATCH,
         "det M and the factors of det J are those of the matrices.", ("subleg_jacobian", "jacobians"),
     ),
     _Rule(
@@ -507,19 +517,19 @@ _INVARIANTS = (
         "The excess is positive, and the status names the first leg, just where inverse has no answer.", ("inverse",),
     ),
     _Rule(
-        "nearest mode", "inverse_near", 1e-9, Samples(3, 12),
+        "nearest mode", "inverse_near", DECIMALS, Samples(3, 12),
         "Along closed paths across +-pi inverse_near goes on without a jump, stays a solution and returns.", ("inverse",),
     ),
     _Rule(
-        "passive joints", "passive_joints", _ROUND, _BATCH,
+        "passive joints", "passive_joints", ROUND_TRIP, _BATCH,
         "Links laid end to end with the actuated and passive angles lead to the platform's joint.", (), factors_are_signs,
     ),
     _Rule(
-        "turned base", "all", _ROUND, Samples(10, 300),
+        "turned base", "all", ROUND_TRIP, Samples(10, 300),
         "Turning the base about z turns vectors in the base frame and leaves joints and scalars alone.",
     ),
     _Rule(
-        "legs exchanged", "all", _ROUND, Samples(10, 300),
+        "legs exchanged", "all", ROUND_TRIP, Samples(10, 300),
         "Exchanging unequal legs exchanges their results, leaves the platform's and gives det J the sign of the permutation.",
     ),
     _Rule(
@@ -532,17 +542,17 @@ REFERENCE_FILE = "spatial"
 
 _REFERENCES = (
     _Rule(
-        "robots", "jacobians", 1e-9, Samples(1, 1),
+        "robots", "jacobians", DECIMALS, Samples(1, 1),
         "End points, all inverse solutions, M, J, K and det J of the reference configuration.",
         ("end_points", "subleg_inverse", "subleg_jacobian", "singularity"),
     ),
     _Rule(
-        "chapter 1", "inverse_near", 1e-9, Samples(1, 1),
+        "chapter 1", "inverse_near", DECIMALS, Samples(1, 1),
         "Section 1.8: joint ranges along 721 poses (at most 59.96 deg), condition numbers of M and norms of J^-1 K.",
         ("jacobians", "subleg_jacobian"), lambda robot: robot.identifier == "spatial_r_fivebar_a",
     ),
     _Rule(
-        "chapter 4", "jacobians", 1e-9, Samples(1, 1),
+        "chapter 4", "jacobians", DECIMALS, Samples(1, 1),
         "Chapter 4: end points, M, J, K and the indices eta at sixteen configurations.",
         ("end_points", "inverse", "subleg_jacobian"), lambda robot: robot.identifier == "spatial_rrr_a",
     ),

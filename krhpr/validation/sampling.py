@@ -129,8 +129,8 @@ def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Value
     for name, shape in (
         ("twist", (freedom,)),
         ("twist_rate", (freedom,)),
-        ("redundant_rate", (LEGS,)),
-        ("redundant_acceleration", (LEGS,)),
+        ("redundant_rates", (LEGS,)),
+        ("redundant_accelerations", (LEGS,)),
         ("theta_dot", (LEGS, subject.subleg.n)),
         ("theta_ddot", (LEGS, subject.subleg.n)),
     ):

@@ -1,9 +1,8 @@
 """Errors of doubles, relative to the scale of what is compared.
 
 Agreement in units in the last place means nothing where outputs cancel, so that a difference is divided by the largest
-value of the same kind in the same configuration: of the whole array where all its elements have one unit, else of the
-elements at the same place of its last axis (the columns of J and K, the factors of det J).  Angles differ by the smaller
-arc, on the scale of a radian at least.
+value of the array in the same configuration; the factors of det J, which are of different kinds, by their own.  Angles
+differ by the smaller arc, on the scale of a radian at least.
 """
 
 from __future__ import annotations
@@ -33,9 +32,8 @@ def scale(port: Port, values: Any) -> Floats:
     """The scale of a batch of values (count, *port), broadcast against it."""
     size = np.abs(np.asarray(values, dtype=float))
     core = tuple(range(size.ndim - len(port.full_shape), size.ndim))
-    mixed = port.unit is Unit.MIXED and (len(core) > 1 or (core and port.layout is Layout.SHARED))
-    axes = core[:-1] if mixed else core
-    largest: Floats = size.max(axis=axes, keepdims=True) if axes else size
+    mixed = port.unit is Unit.MIXED and port.layout is Layout.SHARED and len(core) == 1
+    largest: Floats = size if mixed or not core else size.max(axis=core, keepdims=True)
     if port.unit in _ANGLES:
         largest = np.maximum(largest, 1.0)
     return largest

@@ -176,8 +176,11 @@ def test_multiples_of_angles(a: Angle, n: int) -> None:
     for _ in range(abs(n)):
         expected = expected + (a if n > 0 else -a)
     assert (n * a).congruent(expected)
-    assert (a * Exact(n)).congruent(expected)
-    assert (float(n) * a).congruent(expected)
+    if n:
+        assert (a * Exact(n)).congruent(expected)
+        assert (float(n) * a).congruent(expected)
+    else:  # a real zero times anything finite is the number zero
+        assert a * Exact(0) == 0 and 0.0 * a == 0
 
 
 @given(tangents, tangents)

@@ -41,11 +41,12 @@ def constant(value: Fraction) -> str:
 def print_kernel(kernel: Kernel) -> Body:
     """Lines of a kernel; inputs are elements of arrays, scalars are plain parameters."""
     return print_body(
-        kernel, Dialect(FUNCTIONS, constant, lambda ref: _input(kernel, ref), RESERVED, pairs=True)
+        kernel, Dialect(FUNCTIONS, constant, lambda ref: input_text(kernel, ref), RESERVED, pairs=True)
     )
 
 
-def _input(kernel: Kernel, ref: InputRef) -> str:
+def input_text(kernel: Kernel, ref: InputRef) -> str:
+    """How a kernel reads one component of an input or of its geometry."""
     if ref.port.startswith(GEOMETRY_PREFIX):
         assert kernel.geometry is not None
         field = ref.port.removeprefix(GEOMETRY_PREFIX)

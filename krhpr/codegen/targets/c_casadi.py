@@ -19,7 +19,15 @@ from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
 from krhpr.codegen.passes import Part
 from krhpr.codegen.printers.c import FUNCTIONS, RESERVED, constant, input_text
 from krhpr.codegen.printers.infix import Dialect, Line, Pair, print_body
-from krhpr.codegen.tangent import BRANCHES, SUFFIX, TangentFunction, tangent_function, tangent_twin
+from krhpr.codegen.tangent import (
+    BRANCHES,
+    SUFFIX,
+    TangentFunction,
+    TwinPorts,
+    tangent_function,
+    tangent_twin,
+    twin_ports,
+)
 from krhpr.codegen.targets.base import File, kernel_comment, render
 
 DIRECTIONS = 8
@@ -328,28 +336,31 @@ class _FunctionPrinter:
         """Variables that the twin's calls read or write."""
         found: dict[str, None] = {}
         for call in tangent.calls:
-            twin = self._kernel(call)
-            for port in twin.inputs:
+            ports = self._ports(call)
+            for port in ports.inputs:
                 found.setdefault(call.variable_in(_plain(port.name)))
-            for port in twin.outputs:
+            for port in ports.outputs:
                 found.setdefault(call.variable_out(_plain(port.name)))
         return list(found)
 
+    def _ports(self, call: Call) -> TwinPorts:
+        ports = twin_ports(self._kernel(call))
+        assert ports is not None
+        return ports
+
     def _kernel(self, call: Call) -> Kernel:
-        twin = tangent_twin(self.robot.parts[call.part].kernel(call.kernel))
-        assert twin is not None
-        return twin
+        return self.robot.parts[call.part].kernel(call.kernel)
 
     def _call(self, call: Call, local: set[str]) -> str:
-        twin = self._kernel(call)
-        arguments = [f"&geometry.{call.part}[i]"] if twin.geometry is not None else []
-        for port in twin.inputs:
+        kernel, ports = self._kernel(call), self._ports(call)
+        arguments = [f"&geometry.{call.part}[i]"] if kernel.geometry is not None else []
+        for port in ports.inputs:
             variable = self.known[call.variable_in(_plain(port.name))]
             arguments.append(_argument(variable, port, call.stage, local, output=False))
-        for port in twin.outputs:
+        for port in ports.outputs:
             variable = self.known[call.variable_out(_plain(port.name))]
             arguments.append(_argument(variable, port, call.stage, local, output=True))
-        return f"krhpr_{self.robot.parts[call.part].name}_{twin.name}({', '.join(arguments)});"
+        return f"krhpr_{self.robot.parts[call.part].name}_{kernel.name}{SUFFIX}({', '.join(arguments)});"
 
 
 def _plain(name: str) -> str:

@@ -47,7 +47,7 @@ def moving(here: Configuration) -> dict[str, list[Any]]:
         motions |= {"phi": [phi], "Q": [phi.cos(), -phi.sin(), phi.sin(), phi.cos()]}
     else:
         motions["Q"] = turning(v["Q"], twist[d:], rate[d:])
-    motions["redundant"] = straight(v["redundant"], v["redundant_rate"], v["redundant_acceleration"])
+    motions["redundant"] = straight(v["redundant"], v["redundant_rates"], v["redundant_accelerations"])
     return motions
 
 

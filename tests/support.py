@@ -1,0 +1,45 @@
+"""What tests of several folders share."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDERS = {"derivations": "derivations", "templates": "templates", "generated": "generated"}
+
+
+def run_python(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+    """Run a Python of its own that finds the same packages; `env` adds to the environment."""
+    added: dict[str, str] = options.pop("env", {})  # type: ignore[assignment]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **added}
+    run = subprocess.run(
+        [sys.executable, *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        **options,  # type: ignore[call-overload]
+    )
+    return run  # type: ignore[no-any-return]
+
+
+def unpack_package(site: Path) -> Path:
+    """A copy of the package as a wheel has it, to be changed; returns the folder for PYTHONPATH."""
+    ignore = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "krhpr", site / "krhpr", ignore=ignore)
+    for name, folder in FOLDERS.items():
+        shutil.copytree(ROOT / folder, site / "krhpr" / name, ignore=ignore)
+    return site
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file of a folder and what is in it; caches apart."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and "__pycache__" not in path.parts
+    }
