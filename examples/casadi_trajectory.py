@@ -4,8 +4,8 @@
 
 The platform of the 3-[R(RR-RRR)SR] robot tilts by 80 degrees about y' (the first motion of Section 1.8) in
 4 seconds.  The three redundant angles start at 97 degrees and are free to move: IPOPT chooses them so that
-the integral of the squared joint rates is smallest, with both type II margins kept above 0.5 and |beta_dot| below
-60 deg/s.  The same motion with constant angles, as in the thesis, is the comparison.  Needs CasADi.
+the integral of the squared joint rates is smallest, with both type II margins kept above 0.5 and |beta_dot|
+below 60 deg/s.  The same motion with constant angles, as in the thesis, is the comparison.  Needs CasADi.
 """
 
 from __future__ import annotations

@@ -435,16 +435,15 @@ class Robot:
             unknown = [label for label in labels if label not in table]
             if unknown or len(labels) != 3:
                 raise UnknownBranch(
-                    f"{self.identifier}: {branch!r} is not a {what}; give one of {', '.join(table)}, or "
-                    "one for each of the "
-                    "three legs"
+                    f"{self.identifier}: {branch!r} is not a {what}; give one of {', '.join(table)}, or one "
+                    "for each of the three legs"
                 )
             return np.array([table[str(label)] for label in labels], dtype=float)
         signs = np.asarray(branch, dtype=float)
-        if not np.isin(signs, (-1.0, 1.0)).all():
-            raise UnknownBranch(
-                f"{self.identifier}: the signs of a {what} are +1 or -1, got {signs.tolist()}"
-            )
+        others = np.unique(signs[~np.isin(signs, (-1.0, 1.0))])
+        if others.size:
+            got = ", ".join(f"{value:g}" for value in others[:3])
+            raise UnknownBranch(f"{self.identifier}: the signs of a {what} are +1 or -1, got {got}")
         return signs
 
     @staticmethod

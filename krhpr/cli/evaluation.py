@@ -17,7 +17,7 @@ from krhpr.cli.columns import all_columns
 from krhpr.cli.common import Exit, WrongUse
 from krhpr.cli.info import find_signature
 from krhpr.cli.reading import Given, LabelRows, read_arguments, read_source, split_labels
-from krhpr.errors import InvalidInput, nearest
+from krhpr.errors import InvalidInput, UnknownBranch, nearest
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Signature
@@ -132,13 +132,18 @@ def _call(
 def _branch(robot: Robot, name: str, branch: Any, given: Given) -> Any:
     """The signs of a mode: of labels for all, or of a column of labels."""
     signs = robot.mode_signs if name == "mode" else robot.assembly_signs
-    if not isinstance(branch, LabelRows):
+    if name not in given.values:
         return signs(branch)
+    if not isinstance(branch, LabelRows):
+        try:
+            return signs(branch)
+        except UnknownBranch as error:
+            raise WrongUse(f"{given.place(())}: {name}: {error}") from None
     found = []
     for row, label in enumerate(branch.rows):
         try:
             found.append(signs(label))
-        except ValueError as error:
+        except UnknownBranch as error:
             raise WrongUse(f"{given.place((row,))}, column {name}: {error}") from None
     return np.stack(found) if found else np.empty((0, *signs(None).shape))
 

@@ -33,7 +33,7 @@ def theta_of(row: dict[str, str]) -> list[list[float]]:
     return [[float(row[f"theta_{i}{j}"]) for j in range(2)] for i in range(3)]
 
 
-# -- what works -------------------------------------------------------------------------------------------------
+# -- what works ----------------------------------------------------------------------------------------------
 
 
 def test_an_object_gives_an_object(cli: Cli) -> None:
@@ -182,7 +182,7 @@ def test_the_compiled_backend_gives_the_same(cli: Cli, monkeypatch: pytest.Monke
     assert np.allclose(found["theta"], THETA, rtol=0, atol=1e-14)
 
 
-# -- what does not ----------------------------------------------------------------------------------------------
+# -- what does not -------------------------------------------------------------------------------------------
 
 
 def changed(**changes: Any) -> str:
