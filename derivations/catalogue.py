@@ -1,6 +1,6 @@
 """The robots that the project knows: which sub-leg, which platform arrangement, which default sizes.
 
-A new sub-leg is a file in `sublegs/` and a line in `SUBLEGS`; a new robot is a line in `ROBOTS`.
+A new sub-leg is a file in `sublegs/`; a new robot is a line in `catalogue()` with its sizes.
 """
 
 from __future__ import annotations

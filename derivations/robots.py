@@ -93,8 +93,7 @@ class _Functions:
         yield self._passive_joints()
         yield self._singularity()
 
-    # -- pieces
-    # -------------------------------------------------------------------------------------------------
+    # -- pieces ---------------------------------------------------------------------------------------------
 
     def _function(
         self,
@@ -134,8 +133,7 @@ class _Functions:
             guards.append(Guard("det_regularity", 1, Relation.AT_LEAST, limit, Status.SINGULAR_NORMAL))
         return tuple(guards)
 
-    # -- position
-    # -----------------------------------------------------------------------------------------------
+    # -- position -------------------------------------------------------------------------------------------
 
     def _rotation_error(self) -> RobotFunction:
         error = Port("error", (), Unit.NONE, Frame.NONE, "0 for a rotation matrix")
@@ -264,8 +262,7 @@ class _Functions:
             (self._on_leg("platform", "residual"),),
         )
 
-    # -- velocity
-    # -----------------------------------------------------------------------------------------------
+    # -- velocity -------------------------------------------------------------------------------------------
 
     def _subleg_jacobian(self) -> RobotFunction:
         return self._function(
@@ -298,7 +295,7 @@ class _Functions:
             (*self.pose, self.leg.s, self.leg.theta),
             (self.plate.J, K),
             (self._on_leg("platform", "rows"), self._posture(), self._on_leg("subleg", "project")),
-            self._parallel_guard(),
+            tuple(replace(guard, spoils=("K",)) for guard in self._parallel_guard()),
         )
 
     def _twist(self) -> RobotFunction:
@@ -330,8 +327,7 @@ class _Functions:
             (self._serial_guard(),),
         )
 
-    # -- acceleration
-    # -------------------------------------------------------------------------------------------
+    # -- acceleration ---------------------------------------------------------------------------------------
 
     def _platform_acceleration(self) -> RobotFunction:
         theta_ddot = self._theta_ddot()
@@ -400,8 +396,7 @@ class _Functions:
             doc="accelerations of the actuated joints",
         )
 
-    # -- passive joints and singularities
-    # -----------------------------------------------------------------------
+    # -- passive joints and singularities -------------------------------------------------------------------
 
     def _passive_joints(self) -> RobotFunction:
         outputs: list[Port] = []

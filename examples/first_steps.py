@@ -14,9 +14,6 @@ import numpy as np
 
 import krhpr
 
-MODE = "front/elbow-/rod-"
-"""Upper crank outside, the linkage a parallelogram."""
-
 
 def tilt(angle: np.ndarray) -> np.ndarray:
     """Q for a tilt about y', (1.46)."""
@@ -37,14 +34,17 @@ def main() -> None:
     Q = tilt(np.linspace(0.0, np.radians(80.0), 10_000))
     p = np.array([0.0, 0.0, 0.35])
     beta = np.radians([97.0, 97.0, 97.0])
-    robot.inverse(p, Q[:1], beta, mode=MODE)  # the first call compiles
+    robot.inverse(p, Q[:1], beta)  # the first call compiles
     begin = perf_counter()
-    theta = robot.inverse(p, Q, beta, mode=MODE)
+    theta = robot.inverse(p, Q, beta)
     milliseconds = 1e3 * (perf_counter() - begin)
     print(
         f"\n2. Inverse kinematics of {len(Q):,} poses in {milliseconds:.1f} ms: theta has shape {theta.shape}"
     )
-    print(f"   theta of leg 1 at the first pose: {np.degrees(theta[0, 0]).round(3)} degrees")
+    print(
+        f"   leg 1 at the first pose: {np.degrees(theta[0, 0]).round(3)} degrees, in the default working mode"
+    )
+    print(f"   ({robot.default_mode}: the upper crank outside, the linkage a parallelogram)")
 
     every = robot.inverse_all(p, Q[0], beta)
     print(f"\n3. All {len(robot.modes)} working modes of leg 1 at the first pose, in degrees:")
@@ -77,10 +77,10 @@ def main() -> None:
     print(f"   beta     {np.degrees(passive.platform_joint[0, 0]):8.3f} degrees")
 
     far = np.array([0.0, 0.0, 0.75])
-    theta, status = robot.inverse(far, Q[0], beta, mode=MODE, status=True)
+    theta, status = robot.inverse(far, Q[0], beta, status=True)
     print(f"\n8. A pose out of reach gives NaN ({theta[0]}) and a status ({krhpr.Status(status).name});")
     try:
-        robot.inverse(far, Q[0], beta, mode=MODE, check=True)
+        robot.inverse(far, Q[0], beta, check=True)
     except krhpr.Unreachable as error:
         print(f"   with check=True it raises Unreachable: leg {error.leg} misses by {error.distance:.3f} m")
 

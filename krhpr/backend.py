@@ -5,7 +5,9 @@ module.
 from __future__ import annotations
 
 import ctypes
+import functools
 import os
+import sys
 import warnings
 from collections.abc import Sequence
 from enum import StrEnum
@@ -161,11 +163,20 @@ def _extension() -> Path:
 @cache
 def _warn_slow(reason: str) -> None:
     warnings.warn(
-        f"no compiled kernels ({reason}); the pure NumPy modules are used: the same results, "
-        "several times slower",
+        f"no compiled kernels ({reason}); the pure NumPy modules are used: the same results, several times "
+        "slower",
         RuntimeWarning,
-        stacklevel=4,
+        stacklevel=_level_outside(),
     )
+
+
+def _level_outside() -> int:
+    """The stack level, for a warning, of the first caller that is not in this package."""
+    inside = (os.path.dirname(__file__) + os.sep, functools.__file__)
+    level, frame = 0, sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(inside):
+        level, frame = level + 1, frame.f_back
+    return level + 1
 
 
 __all__ = [

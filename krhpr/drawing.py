@@ -224,10 +224,7 @@ def draw(
     their places.  Coordinates are those of the base frame, in the geometry's unit of length.
     """
     bones = skeleton(robot, p, orientation, redundant, mode)
-    if ax is None:
-        from matplotlib import pyplot
-
-        ax = pyplot.figure().add_subplot(projection=None if robot.planar else "3d")
+    ax = _new_axes(robot.planar) if ax is None else ax
     draw_base(ax, bones)
     draw_platform(ax, bones)
     for link in bones.links:
@@ -242,6 +239,17 @@ def draw(
                 away = _on_page(ax, point) - centre
                 shift = distance * away / max(float(np.linalg.norm(away)), 1e-9)
                 label(ax, point, f"${name}_{i + 1}$", shift, leader=False, ha="center", va="center")
+    return ax
+
+
+def _new_axes(planar: bool) -> Any:
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(7.0, 5.0))
+    if planar:
+        return figure.add_subplot()
+    ax: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
+    ax.view_init(elev=30, azim=-84)  # no leg is seen along its plane
     return ax
 
 
@@ -319,7 +327,7 @@ def _on_page(ax: Any, point: ArrayLike) -> Array:
 
 
 def _plot(ax: Any, points: Array, **style: Any) -> None:
-    ax.plot(*points.T, **style)
+    ax.plot(*points.T, clip_on=False, **style)
 
 
 def _closed(points: Array) -> Array:

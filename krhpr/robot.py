@@ -51,8 +51,7 @@ class Robot:
         self._backend_name = backend
         self.geometry: Geometry = module.DEFAULT_GEOMETRY if geometry is None else geometry
 
-    # -- what it is
-    # ---------------------------------------------------------------------------------------------
+    # -- what it is -----------------------------------------------------------------------------------------
 
     @property
     def identifier(self) -> str:
@@ -109,7 +108,7 @@ class Robot:
         """Signs (..., 3, signs) of a working mode given as `inverse` takes it; the default one unless
         given.
         """
-        return self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "working mode")
+        return self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "a working mode")
 
     def assembly_signs(self, assembly: Branch | None = None) -> np.ndarray[Any, Any]:
         """Signs (..., 3, signs) of an assembly mode given as `subleg_forward` takes it; the default one
@@ -117,7 +116,9 @@ class Robot:
         """
         if not self.assemblies:
             raise UnknownBranch(f"{self.identifier}: its sub-legs are open chains and have no assembly modes")
-        return self._signs(assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "assembly mode")
+        return self._signs(
+            assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "an assembly mode"
+        )
 
     def with_geometry(self, **changes: ArrayLike) -> Robot:
         """The same robot with other lengths or angles: `robot.with_geometry(l_2=0.32)`; three values where
@@ -138,8 +139,7 @@ class Robot:
     def __repr__(self) -> str:
         return f"<Robot {self.identifier} {self.notation}: {self.title}>"
 
-    # -- position
-    # -----------------------------------------------------------------------------------------------
+    # -- position -------------------------------------------------------------------------------------------
 
     def end_points(self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]) -> Any:
         """s (..., 3, 3): end points of the sub-legs, (1.37)."""
@@ -214,8 +214,7 @@ class Robot:
         )
         return status, excess
 
-    # -- velocity and acceleration
-    # ------------------------------------------------------------------------------
+    # -- velocity and acceleration --------------------------------------------------------------------------
 
     def subleg_jacobian(self, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]) -> Any:
         """M (..., 3, 3, n): Jacobians of the sub-legs, s_dot_i = M_i theta_dot_i, (1.16), (2.15)."""
@@ -295,8 +294,7 @@ class Robot:
         inputs = (p, Q, s, theta, twist, rates, theta_dot, twist_rate, accelerations)
         return self._answer("joint_accelerations", inputs, options)
 
-    # -- passive joints and singularities
-    # -----------------------------------------------------------------------
+    # -- passive joints and singularities -------------------------------------------------------------------
 
     def passive_joints(
         self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
@@ -310,8 +308,7 @@ class Robot:
         """(type_1, factors, type_2, margins): det M_i, its factors, the factors of det J, and margins."""
         return self._answer("singularity", (p, Q, s, theta), options)
 
-    # -- how a call is made
-    # -------------------------------------------------------------------------------------
+    # -- how a call is made ---------------------------------------------------------------------------------
 
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
         """Any function by name, with its inputs in the order of `signature(function)`."""
@@ -330,13 +327,24 @@ class Robot:
         arrays = self._arrays(signature, inputs)
         if options.get("check_rotation", True):
             self._check_rotation(signature, arrays)
-        out = options.get("out")
-        outs = None if out is None else (out,) if len(signature.outputs) == 1 else tuple(out)
+        outs = self._places(signature, options.get("out"))
         *results, status = self._backend.call(function, arrays, outs)
         if options.get("check", False):
             self._raise_first(signature, arrays, np.asarray(status))
         answer = results[0] if len(results) == 1 else self._tuple(function)(*results)
         return (answer, status) if options.get("status", False) else answer
+
+    def _places(self, signature: Signature, out: Any) -> tuple[Any, ...] | None:
+        """Where the results go: an array for each, or None."""
+        names = [port.name for port in signature.outputs]
+        if out is None or len(names) == 1:
+            return None if out is None else (out,)
+        if not isinstance(out, (tuple, list)) or len(out) != len(names):
+            raise ValueError(
+                f"{self.identifier}.{signature.name} gives {', '.join(names)}: out takes a tuple of "
+                f"{len(names)} arrays (or None in a place)"
+            )
+        return tuple(out)
 
     def _tuple(self, function: str) -> Any:
         return getattr(self._module, "".join(word.capitalize() for word in function.split("_")))
@@ -435,7 +443,7 @@ class Robot:
             unknown = [label for label in labels if label not in table]
             if unknown or len(labels) != 3:
                 raise UnknownBranch(
-                    f"{self.identifier}: {branch!r} is not a {what}; give one of {', '.join(table)}, or one "
+                    f"{self.identifier}: {branch!r} is not {what}; give one of {', '.join(table)}, or one "
                     "for each of the three legs"
                 )
             return np.array([table[str(label)] for label in labels], dtype=float)
@@ -443,7 +451,7 @@ class Robot:
         others = np.unique(signs[~np.isin(signs, (-1.0, 1.0))])
         if others.size:
             got = ", ".join(f"{value:g}" for value in others[:3])
-            raise UnknownBranch(f"{self.identifier}: the signs of a {what} are +1 or -1, got {got}")
+            raise UnknownBranch(f"{self.identifier}: the signs of {what} are +1 or -1, got {got}")
         return signs
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""The documentation says what is true: snippets and examples run, links and names exist, excerpts are fresh."""
+"""The documentation is true: snippets and examples run, links and names exist, excerpts are fresh."""
 
 from __future__ import annotations
 

@@ -38,8 +38,7 @@ class Platform(ABC):
     type_2_doc: str
     margins_doc: str
 
-    # -- what an arrangement's file states
-    # ----------------------------------------------------------------------
+    # -- what an arrangement's file states ------------------------------------------------------------------
 
     @abstractmethod
     def geometry(self) -> GeometryType:
@@ -91,8 +90,7 @@ class Platform(ABC):
     def closed_form(self, k: KernelWriter, redundant: list[Any], geometry: list[Any]) -> list[Any]:
         """det J_a (and det J_n in space) as the closed form in the redundant coordinates, for the proof."""
 
-    # -- what follows
-    # -------------------------------------------------------------------------------------------
+    # -- what follows ---------------------------------------------------------------------------------------
 
     def ports(self) -> PlatformPorts:
         """The ports of its kernels."""

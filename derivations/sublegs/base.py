@@ -1,18 +1,16 @@
 """What a sub-leg is: the interface that one file per sub-leg implements.
 
 A sub-leg carries the end point S_i (r_i in the plane).  Its file states six things, and everything else (the
-Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them here,
-on the graph:
+Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them in
+`kernels.py`, on the graph:
 
 * `geometry`: the lengths that a person sets and the vectors prepared from them;
 * `forward`: actuated joints and assembly mode -> end point;
 * `inverse`: end point and the signs of a working mode -> actuated joints;
-* `posture`: the vectors of the leg that velocities depend on (x, e_2, u_1, ...), from a consistent pair (s,
-theta), so
-  that sines and cosines are computed once however many kernels follow;
-* `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F of the leg, as
-(1.9), with
-  the dimensionless factors whose zeros are the leg's singularities;
+* `posture`: the vectors of the leg that velocities depend on (x, e_2, u_1, ...), from a consistent pair
+  (s, theta), so that sines and cosines are computed once however many kernels follow;
+* `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F, as (1.9),
+  with the dimensionless factors whose zeros are the leg's singularities;
 * `passive`: passive joint angles and the direction of the link that carries the end point.
 
 All formulas are those of one leg: `s` is relative to the base frame, `theta` are this leg's actuated joints.
@@ -92,8 +90,7 @@ class SubLeg(ABC):
     default_assembly: str = ""
     equations: str = ""
 
-    # -- what a sub-leg's file states
-    # ---------------------------------------------------------------------------
+    # -- what a sub-leg's file states -----------------------------------------------------------------------
 
     @abstractmethod
     def geometry(self) -> GeometryType:
@@ -135,8 +132,7 @@ class SubLeg(ABC):
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         """Loop closure equations f(s, theta) = 0 that define the leg, from which `velocity` is proven."""
 
-    # -- what follows
-    # -------------------------------------------------------------------------------------------
+    # -- what follows ---------------------------------------------------------------------------------------
 
     @property
     def n(self) -> int:

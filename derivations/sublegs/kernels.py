@@ -71,7 +71,7 @@ class SubLegKernels:
 
     def _posture(self) -> Kernel:
         doc = f"Posture of the {self.leg.notation} sub-leg: what its velocity equations are made of."
-        k = KernelWriter("posture", doc, self.leg.equations, self.geometry)
+        k = KernelWriter("posture", doc, "App. A, 2.3.1", self.geometry)
         found = self.leg.posture(k, k.add_input(self.ports.s), k.add_input(self.ports.theta))
         for port in self.leg.posture_ports():
             k.add_output(port, found[port.name])

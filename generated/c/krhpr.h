@@ -25,6 +25,12 @@
 #define KRHPR_RESTRICT restrict
 #endif
 
+/* In front of every function of a robot: nothing, unless you define it (as static inline, say, where a source of yours
+ * includes a robot's .c, or as what a shared library needs to export it). */
+#ifndef KRHPR_API
+#define KRHPR_API
+#endif
+
 /* One copy in a translation unit of what is long or rarely called. */
 #if defined(__GNUC__)
 #define KRHPR_OUTLINE __attribute__((noinline, unused)) static

@@ -9,7 +9,7 @@
 
 static const double mode_default[3] = {1.0, 1.0, 1.0};
 
-int krhpr_planar_rr_a_prepare(krhpr_planar_rr_a_geometry *g)
+KRHPR_API int krhpr_planar_rr_a_prepare(krhpr_planar_rr_a_geometry *g)
 {
     int valid = 1;
     for (int i = 0; i < 3; ++i) {
@@ -31,7 +31,7 @@ int krhpr_planar_rr_a_prepare(krhpr_planar_rr_a_geometry *g)
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
 
-int krhpr_planar_rr_a_set_geometry(krhpr_planar_rr_a_geometry *g, const double fields[21])
+KRHPR_API int krhpr_planar_rr_a_set_geometry(krhpr_planar_rr_a_geometry *g, const double fields[21])
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
@@ -46,7 +46,7 @@ int krhpr_planar_rr_a_set_geometry(krhpr_planar_rr_a_geometry *g, const double f
     return krhpr_planar_rr_a_prepare(g);
 }
 
-int krhpr_planar_rr_a_default_geometry(krhpr_planar_rr_a_geometry *g)
+KRHPR_API int krhpr_planar_rr_a_default_geometry(krhpr_planar_rr_a_geometry *g)
 {
     static const double fields[21] = {
         3.6651914291880923, 0.25, 0.15, 0.16, 3.6651914291880923, 0.125, 0.05,
@@ -56,12 +56,12 @@ int krhpr_planar_rr_a_default_geometry(krhpr_planar_rr_a_geometry *g)
     return krhpr_planar_rr_a_set_geometry(g, fields);
 }
 
-size_t krhpr_planar_rr_a_geometry_size(void)
+KRHPR_API size_t krhpr_planar_rr_a_geometry_size(void)
 {
     return sizeof(krhpr_planar_rr_a_geometry);
 }
 
-int krhpr_planar_rr_a_end_points(
+KRHPR_API int krhpr_planar_rr_a_end_points(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT s)
 {
@@ -87,7 +87,7 @@ int krhpr_planar_rr_a_end_points(
     return status;
 }
 
-int krhpr_planar_rr_a_end_points_batch(
+KRHPR_API int krhpr_planar_rr_a_end_points_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -104,7 +104,7 @@ int krhpr_planar_rr_a_end_points_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_redundant_coordinates(
+KRHPR_API int krhpr_planar_rr_a_redundant_coordinates(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant)
 {
@@ -133,7 +133,7 @@ int krhpr_planar_rr_a_redundant_coordinates(
     return status;
 }
 
-int krhpr_planar_rr_a_redundant_coordinates_batch(
+KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -150,7 +150,7 @@ int krhpr_planar_rr_a_redundant_coordinates_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_subleg_forward(
+KRHPR_API int krhpr_planar_rr_a_subleg_forward(
     const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
@@ -171,7 +171,7 @@ int krhpr_planar_rr_a_subleg_forward(
     return status;
 }
 
-int krhpr_planar_rr_a_subleg_forward_batch(
+KRHPR_API int krhpr_planar_rr_a_subleg_forward_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -186,7 +186,7 @@ int krhpr_planar_rr_a_subleg_forward_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_subleg_inverse(
+KRHPR_API int krhpr_planar_rr_a_subleg_inverse(
     const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
@@ -218,7 +218,7 @@ int krhpr_planar_rr_a_subleg_inverse(
     return status;
 }
 
-int krhpr_planar_rr_a_subleg_inverse_batch(
+KRHPR_API int krhpr_planar_rr_a_subleg_inverse_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -233,7 +233,7 @@ int krhpr_planar_rr_a_subleg_inverse_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_subleg_jacobian(
+KRHPR_API int krhpr_planar_rr_a_subleg_jacobian(
     const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
@@ -257,7 +257,7 @@ int krhpr_planar_rr_a_subleg_jacobian(
     return status;
 }
 
-int krhpr_planar_rr_a_subleg_jacobian_batch(
+KRHPR_API int krhpr_planar_rr_a_subleg_jacobian_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -273,7 +273,7 @@ int krhpr_planar_rr_a_subleg_jacobian_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_constraints(
+KRHPR_API int krhpr_planar_rr_a_constraints(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT residual)
 {
@@ -295,7 +295,7 @@ int krhpr_planar_rr_a_constraints(
     return status;
 }
 
-int krhpr_planar_rr_a_constraints_batch(
+KRHPR_API int krhpr_planar_rr_a_constraints_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -312,7 +312,7 @@ int krhpr_planar_rr_a_constraints_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_jacobians(
+KRHPR_API int krhpr_planar_rr_a_jacobians(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -351,7 +351,7 @@ int krhpr_planar_rr_a_jacobians(
     return status;
 }
 
-int krhpr_planar_rr_a_jacobians_batch(
+KRHPR_API int krhpr_planar_rr_a_jacobians_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -368,7 +368,7 @@ int krhpr_planar_rr_a_jacobians_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_jacobian_blocks(
+KRHPR_API int krhpr_planar_rr_a_jacobian_blocks(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -400,7 +400,7 @@ int krhpr_planar_rr_a_jacobian_blocks(
     return status;
 }
 
-int krhpr_planar_rr_a_jacobian_blocks_batch(
+KRHPR_API int krhpr_planar_rr_a_jacobian_blocks_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -417,7 +417,7 @@ int krhpr_planar_rr_a_jacobian_blocks_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_inverse(
+KRHPR_API int krhpr_planar_rr_a_inverse(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT theta)
 {
@@ -463,7 +463,7 @@ int krhpr_planar_rr_a_inverse(
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -480,7 +480,7 @@ int krhpr_planar_rr_a_inverse_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_inverse_all(
+KRHPR_API int krhpr_planar_rr_a_inverse_all(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT theta)
 {
@@ -524,7 +524,7 @@ int krhpr_planar_rr_a_inverse_all(
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_all_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_all_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -541,7 +541,7 @@ int krhpr_planar_rr_a_inverse_all_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_inverse_status(
+KRHPR_API int krhpr_planar_rr_a_inverse_status(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT excess)
 {
@@ -576,7 +576,7 @@ int krhpr_planar_rr_a_inverse_status(
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_status_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_status_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -593,7 +593,7 @@ int krhpr_planar_rr_a_inverse_status_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_twist(
+KRHPR_API int krhpr_planar_rr_a_twist(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist)
 {
@@ -639,7 +639,7 @@ int krhpr_planar_rr_a_twist(
     return status;
 }
 
-int krhpr_planar_rr_a_twist_batch(
+KRHPR_API int krhpr_planar_rr_a_twist_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -656,7 +656,7 @@ int krhpr_planar_rr_a_twist_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_joint_rates(
+KRHPR_API int krhpr_planar_rr_a_joint_rates(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot)
@@ -697,7 +697,7 @@ int krhpr_planar_rr_a_joint_rates(
     return status;
 }
 
-int krhpr_planar_rr_a_joint_rates_batch(
+KRHPR_API int krhpr_planar_rr_a_joint_rates_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -714,7 +714,7 @@ int krhpr_planar_rr_a_joint_rates_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_platform_acceleration(
+KRHPR_API int krhpr_planar_rr_a_platform_acceleration(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6],
     double *KRHPR_RESTRICT twist_rate)
@@ -769,7 +769,7 @@ int krhpr_planar_rr_a_platform_acceleration(
     return status;
 }
 
-int krhpr_planar_rr_a_platform_acceleration_batch(
+KRHPR_API int krhpr_planar_rr_a_platform_acceleration_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -787,7 +787,7 @@ int krhpr_planar_rr_a_platform_acceleration_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_joint_accelerations(
+KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3], const double theta_dot[6],
     const double twist_rate[3], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
@@ -838,7 +838,7 @@ int krhpr_planar_rr_a_joint_accelerations(
     return status;
 }
 
-int krhpr_planar_rr_a_joint_accelerations_batch(
+KRHPR_API int krhpr_planar_rr_a_joint_accelerations_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -856,7 +856,7 @@ int krhpr_planar_rr_a_joint_accelerations_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_passive_joints(
+KRHPR_API int krhpr_planar_rr_a_passive_joints(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint)
 {
@@ -899,7 +899,7 @@ int krhpr_planar_rr_a_passive_joints(
     return status;
 }
 
-int krhpr_planar_rr_a_passive_joints_batch(
+KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -916,7 +916,7 @@ int krhpr_planar_rr_a_passive_joints_batch(
     return first;
 }
 
-int krhpr_planar_rr_a_singularity(
+KRHPR_API int krhpr_planar_rr_a_singularity(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
@@ -956,7 +956,7 @@ int krhpr_planar_rr_a_singularity(
     return status;
 }
 
-int krhpr_planar_rr_a_singularity_batch(
+KRHPR_API int krhpr_planar_rr_a_singularity_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -976,7 +976,7 @@ int krhpr_planar_rr_a_singularity_batch(
 
 static const int joint_is_angle[2] = {1, 1};
 
-int krhpr_planar_rr_a_inverse_near(
+KRHPR_API int krhpr_planar_rr_a_inverse_near(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double theta_near[6], double *KRHPR_RESTRICT theta)
 {
@@ -1010,7 +1010,7 @@ int krhpr_planar_rr_a_inverse_near(
     return status;
 }
 
-int krhpr_planar_rr_a_inverse_near_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_near_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {

@@ -31,15 +31,15 @@ typedef struct {
 
 /* Computes what depends on the geometry alone; call it after you change a field.
  * Returns KRHPR_INVALID_INPUT where a field is not finite or a length is not positive. */
-int krhpr_planar_rr_a_prepare(krhpr_planar_rr_a_geometry *g);
+KRHPR_API int krhpr_planar_rr_a_prepare(krhpr_planar_rr_a_geometry *g);
 
 /* The default sizes, prepared. */
-int krhpr_planar_rr_a_default_geometry(krhpr_planar_rr_a_geometry *g);
+KRHPR_API int krhpr_planar_rr_a_default_geometry(krhpr_planar_rr_a_geometry *g);
 
 /* All fields at once, prepared: for each leg azimuth, R_b, l_1, l_2, platform_azimuth, R_p, l_r. */
-int krhpr_planar_rr_a_set_geometry(krhpr_planar_rr_a_geometry *g, const double fields[21]);
+KRHPR_API int krhpr_planar_rr_a_set_geometry(krhpr_planar_rr_a_geometry *g, const double fields[21]);
 
-size_t krhpr_planar_rr_a_geometry_size(void);
+KRHPR_API size_t krhpr_planar_rr_a_geometry_size(void);
 
 /* End points of the sub-legs from the pose and the redundant coordinates.  Thesis: (1.37), 2.5.
  *   in     p (2, m, base frame): position of O'
@@ -48,12 +48,12 @@ size_t krhpr_planar_rr_a_geometry_size(void);
  *          clockwise from +z'
  *   out    s (3 x 2, m, base frame): end points of the sub-legs
  */
-int krhpr_planar_rr_a_end_points(
+KRHPR_API int krhpr_planar_rr_a_end_points(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT s);
 /* Batch: in = p (2), phi (1), redundant (3); out = s (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_end_points_batch(
+KRHPR_API int krhpr_planar_rr_a_end_points_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -64,12 +64,12 @@ int krhpr_planar_rr_a_end_points_batch(
  *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
  */
-int krhpr_planar_rr_a_redundant_coordinates(
+KRHPR_API int krhpr_planar_rr_a_redundant_coordinates(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant);
 /* Batch: in = p (2), phi (1), s (6); out = redundant (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_redundant_coordinates_batch(
+KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -78,11 +78,11 @@ int krhpr_planar_rr_a_redundant_coordinates_batch(
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   out    s (3 x 2, m, base frame): end point of the sub-leg, S_i
  */
-int krhpr_planar_rr_a_subleg_forward(
+KRHPR_API int krhpr_planar_rr_a_subleg_forward(
     const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s);
 /* Batch: in = theta (6); out = s (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_subleg_forward_batch(
+KRHPR_API int krhpr_planar_rr_a_subleg_forward_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -91,11 +91,11 @@ int krhpr_planar_rr_a_subleg_forward_batch(
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   out    theta (3 x 2 x 2, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
-int krhpr_planar_rr_a_subleg_inverse(
+KRHPR_API int krhpr_planar_rr_a_subleg_inverse(
     const krhpr_planar_rr_a_geometry *g, const double s[6], double *KRHPR_RESTRICT theta);
 /* Batch: in = s (6); out = theta (12); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_subleg_inverse_batch(
+KRHPR_API int krhpr_planar_rr_a_subleg_inverse_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -104,11 +104,11 @@ int krhpr_planar_rr_a_subleg_inverse_batch(
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   out    M (3 x 2 x 2, mixed, base frame): Jacobian of the sub-leg
  */
-int krhpr_planar_rr_a_subleg_jacobian(
+KRHPR_API int krhpr_planar_rr_a_subleg_jacobian(
     const krhpr_planar_rr_a_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M);
 /* Batch: in = s (6), theta (6); out = M (12); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_subleg_jacobian_batch(
+KRHPR_API int krhpr_planar_rr_a_subleg_jacobian_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -119,12 +119,12 @@ int krhpr_planar_rr_a_subleg_jacobian_batch(
  *   in     s (3 x 2, m, base frame): end points of the sub-legs
  *   out    residual (3, mixed): residuals of the constraint equations
  */
-int krhpr_planar_rr_a_constraints(
+KRHPR_API int krhpr_planar_rr_a_constraints(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT residual);
 /* Batch: in = p (2), phi (1), s (6); out = residual (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_constraints_batch(
+KRHPR_API int krhpr_planar_rr_a_constraints_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -136,12 +136,12 @@ int krhpr_planar_rr_a_constraints_batch(
  *   out    J (3 x 3, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 6, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
  */
-int krhpr_planar_rr_a_jacobians(
+KRHPR_API int krhpr_planar_rr_a_jacobians(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = J (9), K (18); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_jacobians_batch(
+KRHPR_API int krhpr_planar_rr_a_jacobians_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -153,12 +153,12 @@ int krhpr_planar_rr_a_jacobians_batch(
  *   out    J (3 x 3, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 1 x 2, mixed, base frame): the legs' blocks of K
  */
-int krhpr_planar_rr_a_jacobian_blocks(
+KRHPR_API int krhpr_planar_rr_a_jacobian_blocks(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = J (9), K (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_jacobian_blocks_batch(
+KRHPR_API int krhpr_planar_rr_a_jacobian_blocks_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -170,12 +170,12 @@ int krhpr_planar_rr_a_jacobian_blocks_batch(
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
  *   out    theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_inverse(
+KRHPR_API int krhpr_planar_rr_a_inverse(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (2), phi (1), redundant (3), mode (3); out = theta (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -186,12 +186,12 @@ int krhpr_planar_rr_a_inverse_batch(
  *          clockwise from +z'
  *   out    theta (3 x 2 x 2, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
-int krhpr_planar_rr_a_inverse_all(
+KRHPR_API int krhpr_planar_rr_a_inverse_all(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT theta);
 /* Batch: in = p (2), phi (1), redundant (3); out = theta (12); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_all_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_all_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -205,12 +205,12 @@ int krhpr_planar_rr_a_inverse_all_batch(
  *          [theta_1, theta_2]
  *   out    theta (3 x 2, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_inverse_near(
+KRHPR_API int krhpr_planar_rr_a_inverse_near(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double theta_near[6], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (2), phi (1), redundant (3), theta_near (6); out = theta (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_near_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_near_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -222,12 +222,12 @@ int krhpr_planar_rr_a_inverse_near_batch(
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
-int krhpr_planar_rr_a_inverse_status(
+KRHPR_API int krhpr_planar_rr_a_inverse_status(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT excess);
 /* Batch: in = p (2), phi (1), redundant (3), mode (3); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_inverse_status_batch(
+KRHPR_API int krhpr_planar_rr_a_inverse_status_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -239,12 +239,12 @@ int krhpr_planar_rr_a_inverse_status_batch(
  *   in     theta_dot (3 x 2, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2]
  *   out    twist (3, m/s, rad/s, base frame): twist [p_dot, phi_dot]
  */
-int krhpr_planar_rr_a_twist(
+KRHPR_API int krhpr_planar_rr_a_twist(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist);
 /* Batch: in = p (2), phi (1), s (6), theta (6), theta_dot (6); out = twist (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_twist_batch(
+KRHPR_API int krhpr_planar_rr_a_twist_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -258,13 +258,13 @@ int krhpr_planar_rr_a_twist_batch(
  *   in     redundant_rates (3, rad/s or m/s, joint frame): rate of beta
  *   out    theta_dot (3 x 2, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_joint_rates(
+KRHPR_API int krhpr_planar_rr_a_joint_rates(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
 /* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3); out = theta_dot (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_joint_rates_batch(
+KRHPR_API int krhpr_planar_rr_a_joint_rates_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -280,13 +280,13 @@ int krhpr_planar_rr_a_joint_rates_batch(
  *          [theta_1, theta_2]
  *   out    twist_rate (3, m/s^2, rad/s^2, base frame): rate of the twist
  */
-int krhpr_planar_rr_a_platform_acceleration(
+KRHPR_API int krhpr_planar_rr_a_platform_acceleration(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6],
     double *KRHPR_RESTRICT twist_rate);
 /* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), theta_dot (6), theta_ddot (6); out = twist_rate (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_platform_acceleration_batch(
+KRHPR_API int krhpr_planar_rr_a_platform_acceleration_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -304,14 +304,14 @@ int krhpr_planar_rr_a_platform_acceleration_batch(
  *   out    theta_ddot (3 x 2, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2]
  */
-int krhpr_planar_rr_a_joint_accelerations(
+KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
     const double theta_dot[6], const double twist_rate[3], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
 /* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3), theta_dot (6), twist_rate (3), redundant_accelerations (3); out = theta_ddot (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_joint_accelerations_batch(
+KRHPR_API int krhpr_planar_rr_a_joint_accelerations_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -325,12 +325,12 @@ int krhpr_planar_rr_a_joint_accelerations_batch(
  *   out    platform_joint (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
  *          link, clockwise from +z'
  */
-int krhpr_planar_rr_a_passive_joints(
+KRHPR_API int krhpr_planar_rr_a_passive_joints(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = wrist (3), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_passive_joints_batch(
+KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
@@ -347,13 +347,13 @@ int krhpr_planar_rr_a_passive_joints_batch(
  *   out    margins (1, mixed): -det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30,
  *          150) deg [det J_a]
  */
-int krhpr_planar_rr_a_singularity(
+KRHPR_API int krhpr_planar_rr_a_singularity(
     const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = type_1 (3), factors (3), type_2 (1), margins (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_planar_rr_a_singularity_batch(
+KRHPR_API int krhpr_planar_rr_a_singularity_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 

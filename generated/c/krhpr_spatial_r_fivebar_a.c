@@ -10,7 +10,7 @@
 static const double mode_default[9] = {1.0, -1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, -1.0};
 static const double assembly_default[3] = {1.0, 1.0, 1.0};
 
-int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g)
+KRHPR_API int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g)
 {
     int valid = 1;
     for (int i = 0; i < 3; ++i) {
@@ -40,7 +40,8 @@ int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g)
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
 
-int krhpr_spatial_r_fivebar_a_set_geometry(krhpr_spatial_r_fivebar_a_geometry *g, const double fields[36])
+KRHPR_API int krhpr_spatial_r_fivebar_a_set_geometry(
+    krhpr_spatial_r_fivebar_a_geometry *g, const double fields[36])
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 12 * i;
@@ -60,7 +61,7 @@ int krhpr_spatial_r_fivebar_a_set_geometry(krhpr_spatial_r_fivebar_a_geometry *g
     return krhpr_spatial_r_fivebar_a_prepare(g);
 }
 
-int krhpr_spatial_r_fivebar_a_default_geometry(krhpr_spatial_r_fivebar_a_geometry *g)
+KRHPR_API int krhpr_spatial_r_fivebar_a_default_geometry(krhpr_spatial_r_fivebar_a_geometry *g)
 {
     static const double fields[36] = {
         0.0, 0.25, 2.0943951023931953, 0.05, 0.15, 0.3, 0.3, 0.45, 0.3, 0.0, 0.125, 0.05,
@@ -70,12 +71,12 @@ int krhpr_spatial_r_fivebar_a_default_geometry(krhpr_spatial_r_fivebar_a_geometr
     return krhpr_spatial_r_fivebar_a_set_geometry(g, fields);
 }
 
-size_t krhpr_spatial_r_fivebar_a_geometry_size(void)
+KRHPR_API size_t krhpr_spatial_r_fivebar_a_geometry_size(void)
 {
     return sizeof(krhpr_spatial_r_fivebar_a_geometry);
 }
 
-int krhpr_spatial_r_fivebar_a_rotation_error(
+KRHPR_API int krhpr_spatial_r_fivebar_a_rotation_error(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
 {
     int status = KRHPR_OK;
@@ -88,7 +89,7 @@ int krhpr_spatial_r_fivebar_a_rotation_error(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_rotation_error_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_rotation_error_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -104,7 +105,7 @@ int krhpr_spatial_r_fivebar_a_rotation_error_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_end_points(
+KRHPR_API int krhpr_spatial_r_fivebar_a_end_points(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT s)
 {
@@ -126,7 +127,7 @@ int krhpr_spatial_r_fivebar_a_end_points(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_end_points_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_end_points_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -144,7 +145,7 @@ int krhpr_spatial_r_fivebar_a_end_points_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_redundant_coordinates(
+KRHPR_API int krhpr_spatial_r_fivebar_a_redundant_coordinates(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant)
 {
@@ -166,7 +167,7 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -184,7 +185,7 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_forward(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_forward(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double theta[9], const double assembly[3],
     double *KRHPR_RESTRICT s)
 {
@@ -217,7 +218,7 @@ int krhpr_spatial_r_fivebar_a_subleg_forward(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -234,7 +235,7 @@ int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_inverse(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_inverse(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
@@ -286,7 +287,7 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -302,7 +303,7 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_jacobian(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_jacobian(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], const double theta[9],
     double *KRHPR_RESTRICT M)
 {
@@ -338,7 +339,7 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -355,7 +356,7 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_constraints(
+KRHPR_API int krhpr_spatial_r_fivebar_a_constraints(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
 {
@@ -370,7 +371,7 @@ int krhpr_spatial_r_fivebar_a_constraints(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_constraints_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_constraints_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -388,7 +389,7 @@ int krhpr_spatial_r_fivebar_a_constraints_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobians(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobians(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -429,7 +430,6 @@ int krhpr_spatial_r_fivebar_a_jacobians(
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(J + 12 * i, 12);
             krhpr_fill_nan(K + 21 * i + 0, 3);
             krhpr_fill_nan(K + 21 * i + 9, 3);
         }
@@ -437,7 +437,7 @@ int krhpr_spatial_r_fivebar_a_jacobians(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobians_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobians_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -455,7 +455,7 @@ int krhpr_spatial_r_fivebar_a_jacobians_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobian_blocks(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobian_blocks(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -488,14 +488,13 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(J + 12 * i, 12);
             krhpr_fill_nan(K + 6 * i, 6);
         }
     }
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -513,7 +512,7 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[9], double *KRHPR_RESTRICT theta)
 {
@@ -557,7 +556,7 @@ int krhpr_spatial_r_fivebar_a_inverse(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -575,7 +574,7 @@ int krhpr_spatial_r_fivebar_a_inverse_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_all(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_all(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT theta)
 {
@@ -636,7 +635,7 @@ int krhpr_spatial_r_fivebar_a_inverse_all(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_all_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_all_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -654,7 +653,7 @@ int krhpr_spatial_r_fivebar_a_inverse_all_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_status(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_status(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[9], double *KRHPR_RESTRICT excess)
 {
@@ -686,7 +685,7 @@ int krhpr_spatial_r_fivebar_a_inverse_status(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_status_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_status_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -704,7 +703,7 @@ int krhpr_spatial_r_fivebar_a_inverse_status_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_twist(
+KRHPR_API int krhpr_spatial_r_fivebar_a_twist(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
 {
@@ -761,7 +760,7 @@ int krhpr_spatial_r_fivebar_a_twist(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_twist_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_twist_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -779,7 +778,7 @@ int krhpr_spatial_r_fivebar_a_twist_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_rates(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_rates(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot)
@@ -821,7 +820,7 @@ int krhpr_spatial_r_fivebar_a_joint_rates(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_rates_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_rates_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -839,7 +838,7 @@ int krhpr_spatial_r_fivebar_a_joint_rates_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_platform_acceleration(
+KRHPR_API int krhpr_spatial_r_fivebar_a_platform_acceleration(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
     double *KRHPR_RESTRICT twist_rate)
@@ -905,7 +904,7 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -924,7 +923,7 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_accelerations(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
     const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
@@ -975,7 +974,7 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -994,7 +993,7 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_passive_joints(
+KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
     double *KRHPR_RESTRICT platform_joint)
@@ -1042,7 +1041,7 @@ int krhpr_spatial_r_fivebar_a_passive_joints(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_passive_joints_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -1061,7 +1060,7 @@ int krhpr_spatial_r_fivebar_a_passive_joints_batch(
     return first;
 }
 
-int krhpr_spatial_r_fivebar_a_singularity(
+KRHPR_API int krhpr_spatial_r_fivebar_a_singularity(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
@@ -1101,7 +1100,7 @@ int krhpr_spatial_r_fivebar_a_singularity(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_singularity_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_singularity_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
@@ -1122,7 +1121,7 @@ int krhpr_spatial_r_fivebar_a_singularity_batch(
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_r_fivebar_a_inverse_near(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_near(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
@@ -1156,7 +1155,7 @@ int krhpr_spatial_r_fivebar_a_inverse_near(
     return status;
 }
 
-int krhpr_spatial_r_fivebar_a_inverse_near_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_near_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)

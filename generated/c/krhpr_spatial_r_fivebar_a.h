@@ -41,25 +41,26 @@ typedef struct {
 
 /* Computes what depends on the geometry alone; call it after you change a field.
  * Returns KRHPR_INVALID_INPUT where a field is not finite or a length is not positive. */
-int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g);
+KRHPR_API int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g);
 
 /* The default sizes, prepared. */
-int krhpr_spatial_r_fivebar_a_default_geometry(krhpr_spatial_r_fivebar_a_geometry *g);
+KRHPR_API int krhpr_spatial_r_fivebar_a_default_geometry(krhpr_spatial_r_fivebar_a_geometry *g);
 
 /* All fields at once, prepared: for each leg azimuth, R_b, alpha, l_1, l_2, l_3, l_4, l_5, l_6, platform_azimuth, R_p, l_r. */
-int krhpr_spatial_r_fivebar_a_set_geometry(krhpr_spatial_r_fivebar_a_geometry *g, const double fields[36]);
+KRHPR_API int krhpr_spatial_r_fivebar_a_set_geometry(
+    krhpr_spatial_r_fivebar_a_geometry *g, const double fields[36]);
 
-size_t krhpr_spatial_r_fivebar_a_geometry_size(void);
+KRHPR_API size_t krhpr_spatial_r_fivebar_a_geometry_size(void);
 
 /* How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q.
  *   in     Q (3 x 3, base frame): orientation, base from platform
  *   out    error (scalar): 0 for a rotation matrix
  */
-int krhpr_spatial_r_fivebar_a_rotation_error(
+KRHPR_API int krhpr_spatial_r_fivebar_a_rotation_error(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error);
 /* Batch: in = Q (9); out = error (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_rotation_error_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_rotation_error_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -71,12 +72,12 @@ int krhpr_spatial_r_fivebar_a_rotation_error_batch(
  *          clockwise from +z'
  *   out    s (3 x 3, m, base frame): end points of the sub-legs
  */
-int krhpr_spatial_r_fivebar_a_end_points(
+KRHPR_API int krhpr_spatial_r_fivebar_a_end_points(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT s);
 /* Batch: in = p (3), Q (9), redundant (3); out = s (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_end_points_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_end_points_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -88,12 +89,12 @@ int krhpr_spatial_r_fivebar_a_end_points_batch(
  *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
  */
-int krhpr_spatial_r_fivebar_a_redundant_coordinates(
+KRHPR_API int krhpr_spatial_r_fivebar_a_redundant_coordinates(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant);
 /* Batch: in = p (3), Q (9), s (9); out = redundant (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -104,12 +105,12 @@ int krhpr_spatial_r_fivebar_a_redundant_coordinates_batch(
  *   in     assembly (3 x 1): signs of the assembly mode, +1 or -1 [assembly]; NULL for the default
  *   out    s (3 x 3, m, base frame): end point of the sub-leg, S_i
  */
-int krhpr_spatial_r_fivebar_a_subleg_forward(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_forward(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double theta[9], const double assembly[3],
     double *KRHPR_RESTRICT s);
 /* Batch: in = theta (9), assembly (3); out = s (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -121,11 +122,11 @@ int krhpr_spatial_r_fivebar_a_subleg_forward_batch(
  *          [front/elbow+/rod+, front/elbow+/rod-, front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+,
  *          back/elbow+/rod-, back/elbow-/rod+, back/elbow-/rod-]
  */
-int krhpr_spatial_r_fivebar_a_subleg_inverse(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_inverse(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = s (9); out = theta (72); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -135,12 +136,12 @@ int krhpr_spatial_r_fivebar_a_subleg_inverse_batch(
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    M (3 x 3 x 3, mixed, base frame): Jacobian of the sub-leg
  */
-int krhpr_spatial_r_fivebar_a_subleg_jacobian(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_jacobian(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double s[9], const double theta[9],
     double *KRHPR_RESTRICT M);
 /* Batch: in = s (9), theta (9); out = M (27); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -152,12 +153,12 @@ int krhpr_spatial_r_fivebar_a_subleg_jacobian_batch(
  *   in     s (3 x 3, m, base frame): end points of the sub-legs
  *   out    residual (6, mixed): residuals of the constraint equations
  */
-int krhpr_spatial_r_fivebar_a_constraints(
+KRHPR_API int krhpr_spatial_r_fivebar_a_constraints(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual);
 /* Batch: in = p (3), Q (9), s (9); out = residual (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_constraints_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_constraints_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -170,12 +171,12 @@ int krhpr_spatial_r_fivebar_a_constraints_batch(
  *   out    J (6 x 6, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (6 x 9, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
  */
-int krhpr_spatial_r_fivebar_a_jacobians(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobians(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = J (36), K (54); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_jacobians_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobians_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -188,12 +189,12 @@ int krhpr_spatial_r_fivebar_a_jacobians_batch(
  *   out    J (6 x 6, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 2 x 3, mixed, base frame): the legs' blocks of K
  */
-int krhpr_spatial_r_fivebar_a_jacobian_blocks(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobian_blocks(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = J (36), K (18); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -206,12 +207,12 @@ int krhpr_spatial_r_fivebar_a_jacobian_blocks_batch(
  *   in     mode (3 x 3): signs of the working mode, +1 or -1 [shoulder, elbow, rod]; NULL for the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  */
-int krhpr_spatial_r_fivebar_a_inverse(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3), mode (9); out = theta (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_inverse_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -225,12 +226,12 @@ int krhpr_spatial_r_fivebar_a_inverse_batch(
  *          [front/elbow+/rod+, front/elbow+/rod-, front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+,
  *          back/elbow+/rod-, back/elbow-/rod+, back/elbow-/rod-]
  */
-int krhpr_spatial_r_fivebar_a_inverse_all(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_all(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3); out = theta (72); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_inverse_all_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_all_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -246,12 +247,12 @@ int krhpr_spatial_r_fivebar_a_inverse_all_batch(
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3]
  */
-int krhpr_spatial_r_fivebar_a_inverse_near(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_near(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3), theta_near (9); out = theta (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_inverse_near_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_near_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -264,12 +265,12 @@ int krhpr_spatial_r_fivebar_a_inverse_near_batch(
  *   in     mode (3 x 3): signs of the working mode, +1 or -1 [shoulder, elbow, rod]; NULL for the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
-int krhpr_spatial_r_fivebar_a_inverse_status(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_status(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[9], double *KRHPR_RESTRICT excess);
 /* Batch: in = p (3), Q (9), redundant (3), mode (9); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_inverse_status_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_status_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -283,12 +284,12 @@ int krhpr_spatial_r_fivebar_a_inverse_status_batch(
  *          theta_3]
  *   out    twist (6, m/s, rad/s, base frame): twist [p_dot, omega]
  */
-int krhpr_spatial_r_fivebar_a_twist(
+KRHPR_API int krhpr_spatial_r_fivebar_a_twist(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist);
 /* Batch: in = p (3), Q (9), s (9), theta (9), theta_dot (9); out = twist (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_twist_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_twist_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -304,13 +305,13 @@ int krhpr_spatial_r_fivebar_a_twist_batch(
  *   out    theta_dot (3 x 3, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2,
  *          theta_3]
  */
-int krhpr_spatial_r_fivebar_a_joint_rates(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_rates(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3); out = theta_dot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_joint_rates_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_rates_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -328,13 +329,13 @@ int krhpr_spatial_r_fivebar_a_joint_rates_batch(
  *          [theta_1, theta_2, theta_3]
  *   out    twist_rate (6, m/s^2, rad/s^2, base frame): rate of the twist
  */
-int krhpr_spatial_r_fivebar_a_platform_acceleration(
+KRHPR_API int krhpr_spatial_r_fivebar_a_platform_acceleration(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
     double *KRHPR_RESTRICT twist_rate);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), theta_dot (9), theta_ddot (9); out = twist_rate (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -354,14 +355,14 @@ int krhpr_spatial_r_fivebar_a_platform_acceleration_batch(
  *   out    theta_ddot (3 x 3, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2, theta_3]
  */
-int krhpr_spatial_r_fivebar_a_joint_accelerations(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     const double theta_dot[9], const double twist_rate[6], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3), theta_dot (9), twist_rate (6), redundant_accelerations (3); out = theta_ddot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -377,13 +378,13 @@ int krhpr_spatial_r_fivebar_a_joint_accelerations_batch(
  *   out    platform_joint (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
  *          link, clockwise from +z'
  */
-int krhpr_spatial_r_fivebar_a_passive_joints(
+KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
     double *KRHPR_RESTRICT platform_joint);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = passive (9), spherical (27), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_passive_joints_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -404,13 +405,13 @@ int krhpr_spatial_r_fivebar_a_passive_joints_batch(
  *   out    margins (2, mixed): -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive
  *          for beta in (30, 150) deg [det J_a, det J_n]
  */
-int krhpr_spatial_r_fivebar_a_singularity(
+KRHPR_API int krhpr_spatial_r_fivebar_a_singularity(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (12), type_2 (2), margins (2); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_r_fivebar_a_singularity_batch(
+KRHPR_API int krhpr_spatial_r_fivebar_a_singularity_batch(
     const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);

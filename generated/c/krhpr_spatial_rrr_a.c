@@ -9,7 +9,7 @@
 
 static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 
-int krhpr_spatial_rrr_a_prepare(krhpr_spatial_rrr_a_geometry *g)
+KRHPR_API int krhpr_spatial_rrr_a_prepare(krhpr_spatial_rrr_a_geometry *g)
 {
     int valid = 1;
     for (int i = 0; i < 3; ++i) {
@@ -33,7 +33,7 @@ int krhpr_spatial_rrr_a_prepare(krhpr_spatial_rrr_a_geometry *g)
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
 
-int krhpr_spatial_rrr_a_set_geometry(krhpr_spatial_rrr_a_geometry *g, const double fields[27])
+KRHPR_API int krhpr_spatial_rrr_a_set_geometry(krhpr_spatial_rrr_a_geometry *g, const double fields[27])
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 9 * i;
@@ -50,7 +50,7 @@ int krhpr_spatial_rrr_a_set_geometry(krhpr_spatial_rrr_a_geometry *g, const doub
     return krhpr_spatial_rrr_a_prepare(g);
 }
 
-int krhpr_spatial_rrr_a_default_geometry(krhpr_spatial_rrr_a_geometry *g)
+KRHPR_API int krhpr_spatial_rrr_a_default_geometry(krhpr_spatial_rrr_a_geometry *g)
 {
     static const double fields[27] = {
         0.0, 0.25, 2.0943951023931953, 0.05, 0.3, 0.45, 0.0, 0.125, 0.05,
@@ -60,12 +60,12 @@ int krhpr_spatial_rrr_a_default_geometry(krhpr_spatial_rrr_a_geometry *g)
     return krhpr_spatial_rrr_a_set_geometry(g, fields);
 }
 
-size_t krhpr_spatial_rrr_a_geometry_size(void)
+KRHPR_API size_t krhpr_spatial_rrr_a_geometry_size(void)
 {
     return sizeof(krhpr_spatial_rrr_a_geometry);
 }
 
-int krhpr_spatial_rrr_a_rotation_error(
+KRHPR_API int krhpr_spatial_rrr_a_rotation_error(
     const krhpr_spatial_rrr_a_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
 {
     int status = KRHPR_OK;
@@ -78,7 +78,7 @@ int krhpr_spatial_rrr_a_rotation_error(
     return status;
 }
 
-int krhpr_spatial_rrr_a_rotation_error_batch(
+KRHPR_API int krhpr_spatial_rrr_a_rotation_error_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -93,7 +93,7 @@ int krhpr_spatial_rrr_a_rotation_error_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_end_points(
+KRHPR_API int krhpr_spatial_rrr_a_end_points(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s)
 {
@@ -115,7 +115,7 @@ int krhpr_spatial_rrr_a_end_points(
     return status;
 }
 
-int krhpr_spatial_rrr_a_end_points_batch(
+KRHPR_API int krhpr_spatial_rrr_a_end_points_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -132,7 +132,7 @@ int krhpr_spatial_rrr_a_end_points_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_redundant_coordinates(
+KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant)
 {
@@ -154,7 +154,7 @@ int krhpr_spatial_rrr_a_redundant_coordinates(
     return status;
 }
 
-int krhpr_spatial_rrr_a_redundant_coordinates_batch(
+KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -171,7 +171,7 @@ int krhpr_spatial_rrr_a_redundant_coordinates_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_subleg_forward(
+KRHPR_API int krhpr_spatial_rrr_a_subleg_forward(
     const krhpr_spatial_rrr_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
@@ -192,7 +192,7 @@ int krhpr_spatial_rrr_a_subleg_forward(
     return status;
 }
 
-int krhpr_spatial_rrr_a_subleg_forward_batch(
+KRHPR_API int krhpr_spatial_rrr_a_subleg_forward_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -207,7 +207,7 @@ int krhpr_spatial_rrr_a_subleg_forward_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_subleg_inverse(
+KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse(
     const krhpr_spatial_rrr_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
@@ -246,7 +246,7 @@ int krhpr_spatial_rrr_a_subleg_inverse(
     return status;
 }
 
-int krhpr_spatial_rrr_a_subleg_inverse_batch(
+KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -261,7 +261,7 @@ int krhpr_spatial_rrr_a_subleg_inverse_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_subleg_jacobian(
+KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian(
     const krhpr_spatial_rrr_a_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
@@ -287,7 +287,7 @@ int krhpr_spatial_rrr_a_subleg_jacobian(
     return status;
 }
 
-int krhpr_spatial_rrr_a_subleg_jacobian_batch(
+KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -303,7 +303,7 @@ int krhpr_spatial_rrr_a_subleg_jacobian_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_constraints(
+KRHPR_API int krhpr_spatial_rrr_a_constraints(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
 {
@@ -318,7 +318,7 @@ int krhpr_spatial_rrr_a_constraints(
     return status;
 }
 
-int krhpr_spatial_rrr_a_constraints_batch(
+KRHPR_API int krhpr_spatial_rrr_a_constraints_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -335,7 +335,7 @@ int krhpr_spatial_rrr_a_constraints_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_jacobians(
+KRHPR_API int krhpr_spatial_rrr_a_jacobians(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -373,7 +373,7 @@ int krhpr_spatial_rrr_a_jacobians(
     return status;
 }
 
-int krhpr_spatial_rrr_a_jacobians_batch(
+KRHPR_API int krhpr_spatial_rrr_a_jacobians_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -390,7 +390,7 @@ int krhpr_spatial_rrr_a_jacobians_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_jacobian_blocks(
+KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -420,7 +420,7 @@ int krhpr_spatial_rrr_a_jacobian_blocks(
     return status;
 }
 
-int krhpr_spatial_rrr_a_jacobian_blocks_batch(
+KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -437,7 +437,7 @@ int krhpr_spatial_rrr_a_jacobian_blocks_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_inverse(
+KRHPR_API int krhpr_spatial_rrr_a_inverse(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT theta)
 {
@@ -481,7 +481,7 @@ int krhpr_spatial_rrr_a_inverse(
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_batch(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -498,7 +498,7 @@ int krhpr_spatial_rrr_a_inverse_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_inverse_all(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_all(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta)
 {
@@ -547,7 +547,7 @@ int krhpr_spatial_rrr_a_inverse_all(
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_all_batch(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_all_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -564,7 +564,7 @@ int krhpr_spatial_rrr_a_inverse_all_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_inverse_status(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_status(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT excess)
 {
@@ -596,7 +596,7 @@ int krhpr_spatial_rrr_a_inverse_status(
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_status_batch(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_status_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -613,7 +613,7 @@ int krhpr_spatial_rrr_a_inverse_status_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_twist(
+KRHPR_API int krhpr_spatial_rrr_a_twist(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
 {
@@ -661,7 +661,7 @@ int krhpr_spatial_rrr_a_twist(
     return status;
 }
 
-int krhpr_spatial_rrr_a_twist_batch(
+KRHPR_API int krhpr_spatial_rrr_a_twist_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -678,7 +678,7 @@ int krhpr_spatial_rrr_a_twist_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_joint_rates(
+KRHPR_API int krhpr_spatial_rrr_a_joint_rates(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot)
@@ -717,7 +717,7 @@ int krhpr_spatial_rrr_a_joint_rates(
     return status;
 }
 
-int krhpr_spatial_rrr_a_joint_rates_batch(
+KRHPR_API int krhpr_spatial_rrr_a_joint_rates_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -734,7 +734,7 @@ int krhpr_spatial_rrr_a_joint_rates_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_platform_acceleration(
+KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
     double *KRHPR_RESTRICT twist_rate)
@@ -791,7 +791,7 @@ int krhpr_spatial_rrr_a_platform_acceleration(
     return status;
 }
 
-int krhpr_spatial_rrr_a_platform_acceleration_batch(
+KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -809,7 +809,7 @@ int krhpr_spatial_rrr_a_platform_acceleration_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_joint_accelerations(
+KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
     const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
@@ -857,7 +857,7 @@ int krhpr_spatial_rrr_a_joint_accelerations(
     return status;
 }
 
-int krhpr_spatial_rrr_a_joint_accelerations_batch(
+KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -875,7 +875,7 @@ int krhpr_spatial_rrr_a_joint_accelerations_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_passive_joints(
+KRHPR_API int krhpr_spatial_rrr_a_passive_joints(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
@@ -915,7 +915,7 @@ int krhpr_spatial_rrr_a_passive_joints(
     return status;
 }
 
-int krhpr_spatial_rrr_a_passive_joints_batch(
+KRHPR_API int krhpr_spatial_rrr_a_passive_joints_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -932,7 +932,7 @@ int krhpr_spatial_rrr_a_passive_joints_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_a_singularity(
+KRHPR_API int krhpr_spatial_rrr_a_singularity(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
@@ -970,7 +970,7 @@ int krhpr_spatial_rrr_a_singularity(
     return status;
 }
 
-int krhpr_spatial_rrr_a_singularity_batch(
+KRHPR_API int krhpr_spatial_rrr_a_singularity_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -990,7 +990,7 @@ int krhpr_spatial_rrr_a_singularity_batch(
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_rrr_a_inverse_near(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_near(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
@@ -1024,7 +1024,7 @@ int krhpr_spatial_rrr_a_inverse_near(
     return status;
 }
 
-int krhpr_spatial_rrr_a_inverse_near_batch(
+KRHPR_API int krhpr_spatial_rrr_a_inverse_near_batch(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {

@@ -9,7 +9,7 @@
 
 static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 
-int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g)
+KRHPR_API int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g)
 {
     int valid = 1;
     for (int i = 0; i < 3; ++i) {
@@ -29,7 +29,7 @@ int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g)
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
 
-int krhpr_spatial_rrr_c_set_geometry(krhpr_spatial_rrr_c_geometry *g, const double fields[21])
+KRHPR_API int krhpr_spatial_rrr_c_set_geometry(krhpr_spatial_rrr_c_geometry *g, const double fields[21])
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
@@ -44,7 +44,7 @@ int krhpr_spatial_rrr_c_set_geometry(krhpr_spatial_rrr_c_geometry *g, const doub
     return krhpr_spatial_rrr_c_prepare(g);
 }
 
-int krhpr_spatial_rrr_c_default_geometry(krhpr_spatial_rrr_c_geometry *g)
+KRHPR_API int krhpr_spatial_rrr_c_default_geometry(krhpr_spatial_rrr_c_geometry *g)
 {
     static const double fields[21] = {
         0.0, 0.25, 2.0943951023931953, 0.05, 0.3, 0.45, 0.0,
@@ -54,12 +54,12 @@ int krhpr_spatial_rrr_c_default_geometry(krhpr_spatial_rrr_c_geometry *g)
     return krhpr_spatial_rrr_c_set_geometry(g, fields);
 }
 
-size_t krhpr_spatial_rrr_c_geometry_size(void)
+KRHPR_API size_t krhpr_spatial_rrr_c_geometry_size(void)
 {
     return sizeof(krhpr_spatial_rrr_c_geometry);
 }
 
-int krhpr_spatial_rrr_c_rotation_error(
+KRHPR_API int krhpr_spatial_rrr_c_rotation_error(
     const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error)
 {
     int status = KRHPR_OK;
@@ -72,7 +72,7 @@ int krhpr_spatial_rrr_c_rotation_error(
     return status;
 }
 
-int krhpr_spatial_rrr_c_rotation_error_batch(
+KRHPR_API int krhpr_spatial_rrr_c_rotation_error_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -87,7 +87,7 @@ int krhpr_spatial_rrr_c_rotation_error_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_end_points(
+KRHPR_API int krhpr_spatial_rrr_c_end_points(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s)
 {
@@ -102,7 +102,7 @@ int krhpr_spatial_rrr_c_end_points(
     return status;
 }
 
-int krhpr_spatial_rrr_c_end_points_batch(
+KRHPR_API int krhpr_spatial_rrr_c_end_points_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -119,7 +119,7 @@ int krhpr_spatial_rrr_c_end_points_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_redundant_coordinates(
+KRHPR_API int krhpr_spatial_rrr_c_redundant_coordinates(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant)
 {
@@ -134,7 +134,7 @@ int krhpr_spatial_rrr_c_redundant_coordinates(
     return status;
 }
 
-int krhpr_spatial_rrr_c_redundant_coordinates_batch(
+KRHPR_API int krhpr_spatial_rrr_c_redundant_coordinates_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -151,7 +151,7 @@ int krhpr_spatial_rrr_c_redundant_coordinates_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_subleg_forward(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_forward(
     const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
@@ -172,7 +172,7 @@ int krhpr_spatial_rrr_c_subleg_forward(
     return status;
 }
 
-int krhpr_spatial_rrr_c_subleg_forward_batch(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_forward_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -187,7 +187,7 @@ int krhpr_spatial_rrr_c_subleg_forward_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_subleg_inverse(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_inverse(
     const krhpr_spatial_rrr_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
     int status = KRHPR_OK;
@@ -226,7 +226,7 @@ int krhpr_spatial_rrr_c_subleg_inverse(
     return status;
 }
 
-int krhpr_spatial_rrr_c_subleg_inverse_batch(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_inverse_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -241,7 +241,7 @@ int krhpr_spatial_rrr_c_subleg_inverse_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_subleg_jacobian(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_jacobian(
     const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
@@ -267,7 +267,7 @@ int krhpr_spatial_rrr_c_subleg_jacobian(
     return status;
 }
 
-int krhpr_spatial_rrr_c_subleg_jacobian_batch(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_jacobian_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -283,7 +283,7 @@ int krhpr_spatial_rrr_c_subleg_jacobian_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_constraints(
+KRHPR_API int krhpr_spatial_rrr_c_constraints(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
 {
@@ -298,7 +298,7 @@ int krhpr_spatial_rrr_c_constraints(
     return status;
 }
 
-int krhpr_spatial_rrr_c_constraints_batch(
+KRHPR_API int krhpr_spatial_rrr_c_constraints_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -315,7 +315,7 @@ int krhpr_spatial_rrr_c_constraints_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_jacobians(
+KRHPR_API int krhpr_spatial_rrr_c_jacobians(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -353,7 +353,7 @@ int krhpr_spatial_rrr_c_jacobians(
     return status;
 }
 
-int krhpr_spatial_rrr_c_jacobians_batch(
+KRHPR_API int krhpr_spatial_rrr_c_jacobians_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -370,7 +370,7 @@ int krhpr_spatial_rrr_c_jacobians_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_jacobian_blocks(
+KRHPR_API int krhpr_spatial_rrr_c_jacobian_blocks(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
@@ -400,7 +400,7 @@ int krhpr_spatial_rrr_c_jacobian_blocks(
     return status;
 }
 
-int krhpr_spatial_rrr_c_jacobian_blocks_batch(
+KRHPR_API int krhpr_spatial_rrr_c_jacobian_blocks_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -417,7 +417,7 @@ int krhpr_spatial_rrr_c_jacobian_blocks_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_inverse(
+KRHPR_API int krhpr_spatial_rrr_c_inverse(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT theta)
 {
@@ -454,7 +454,7 @@ int krhpr_spatial_rrr_c_inverse(
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -471,7 +471,7 @@ int krhpr_spatial_rrr_c_inverse_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_inverse_all(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_all(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta)
 {
@@ -513,7 +513,7 @@ int krhpr_spatial_rrr_c_inverse_all(
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_all_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_all_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -530,7 +530,7 @@ int krhpr_spatial_rrr_c_inverse_all_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_inverse_status(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_status(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT excess)
 {
@@ -555,7 +555,7 @@ int krhpr_spatial_rrr_c_inverse_status(
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_status_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_status_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -572,7 +572,7 @@ int krhpr_spatial_rrr_c_inverse_status_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_twist(
+KRHPR_API int krhpr_spatial_rrr_c_twist(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist)
 {
@@ -620,7 +620,7 @@ int krhpr_spatial_rrr_c_twist(
     return status;
 }
 
-int krhpr_spatial_rrr_c_twist_batch(
+KRHPR_API int krhpr_spatial_rrr_c_twist_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -637,7 +637,7 @@ int krhpr_spatial_rrr_c_twist_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_joint_rates(
+KRHPR_API int krhpr_spatial_rrr_c_joint_rates(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot)
@@ -676,7 +676,7 @@ int krhpr_spatial_rrr_c_joint_rates(
     return status;
 }
 
-int krhpr_spatial_rrr_c_joint_rates_batch(
+KRHPR_API int krhpr_spatial_rrr_c_joint_rates_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -693,7 +693,7 @@ int krhpr_spatial_rrr_c_joint_rates_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_platform_acceleration(
+KRHPR_API int krhpr_spatial_rrr_c_platform_acceleration(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
     double *KRHPR_RESTRICT twist_rate)
@@ -750,7 +750,7 @@ int krhpr_spatial_rrr_c_platform_acceleration(
     return status;
 }
 
-int krhpr_spatial_rrr_c_platform_acceleration_batch(
+KRHPR_API int krhpr_spatial_rrr_c_platform_acceleration_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -768,7 +768,7 @@ int krhpr_spatial_rrr_c_platform_acceleration_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_joint_accelerations(
+KRHPR_API int krhpr_spatial_rrr_c_joint_accelerations(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
     const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
@@ -816,7 +816,7 @@ int krhpr_spatial_rrr_c_joint_accelerations(
     return status;
 }
 
-int krhpr_spatial_rrr_c_joint_accelerations_batch(
+KRHPR_API int krhpr_spatial_rrr_c_joint_accelerations_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -834,7 +834,7 @@ int krhpr_spatial_rrr_c_joint_accelerations_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_passive_joints(
+KRHPR_API int krhpr_spatial_rrr_c_passive_joints(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
@@ -866,7 +866,7 @@ int krhpr_spatial_rrr_c_passive_joints(
     return status;
 }
 
-int krhpr_spatial_rrr_c_passive_joints_batch(
+KRHPR_API int krhpr_spatial_rrr_c_passive_joints_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -883,7 +883,7 @@ int krhpr_spatial_rrr_c_passive_joints_batch(
     return first;
 }
 
-int krhpr_spatial_rrr_c_singularity(
+KRHPR_API int krhpr_spatial_rrr_c_singularity(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins)
@@ -921,7 +921,7 @@ int krhpr_spatial_rrr_c_singularity(
     return status;
 }
 
-int krhpr_spatial_rrr_c_singularity_batch(
+KRHPR_API int krhpr_spatial_rrr_c_singularity_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
@@ -941,7 +941,7 @@ int krhpr_spatial_rrr_c_singularity_batch(
 
 static const int joint_is_angle[3] = {1, 1, 1};
 
-int krhpr_spatial_rrr_c_inverse_near(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_near(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double theta_near[9], double *KRHPR_RESTRICT theta)
 {
@@ -975,7 +975,7 @@ int krhpr_spatial_rrr_c_inverse_near(
     return status;
 }
 
-int krhpr_spatial_rrr_c_inverse_near_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_near_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {

@@ -33,25 +33,25 @@ typedef struct {
 
 /* Computes what depends on the geometry alone; call it after you change a field.
  * Returns KRHPR_INVALID_INPUT where a field is not finite or a length is not positive. */
-int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g);
+KRHPR_API int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g);
 
 /* The default sizes, prepared. */
-int krhpr_spatial_rrr_c_default_geometry(krhpr_spatial_rrr_c_geometry *g);
+KRHPR_API int krhpr_spatial_rrr_c_default_geometry(krhpr_spatial_rrr_c_geometry *g);
 
 /* All fields at once, prepared: for each leg azimuth, R_b, alpha, l_1, l_2, l_3, platform_azimuth. */
-int krhpr_spatial_rrr_c_set_geometry(krhpr_spatial_rrr_c_geometry *g, const double fields[21]);
+KRHPR_API int krhpr_spatial_rrr_c_set_geometry(krhpr_spatial_rrr_c_geometry *g, const double fields[21]);
 
-size_t krhpr_spatial_rrr_c_geometry_size(void);
+KRHPR_API size_t krhpr_spatial_rrr_c_geometry_size(void);
 
 /* How far Q is from a rotation matrix: the largest element of |Q^T Q - I|, at least 1 - det Q.
  *   in     Q (3 x 3, base frame): orientation, base from platform
  *   out    error (scalar): 0 for a rotation matrix
  */
-int krhpr_spatial_rrr_c_rotation_error(
+KRHPR_API int krhpr_spatial_rrr_c_rotation_error(
     const krhpr_spatial_rrr_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error);
 /* Batch: in = Q (9); out = error (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_rotation_error_batch(
+KRHPR_API int krhpr_spatial_rrr_c_rotation_error_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -62,12 +62,12 @@ int krhpr_spatial_rrr_c_rotation_error_batch(
  *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  *   out    s (3 x 3, m, base frame): end points of the sub-legs
  */
-int krhpr_spatial_rrr_c_end_points(
+KRHPR_API int krhpr_spatial_rrr_c_end_points(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s);
 /* Batch: in = p (3), Q (9), redundant (3); out = s (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_end_points_batch(
+KRHPR_API int krhpr_spatial_rrr_c_end_points_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -78,12 +78,12 @@ int krhpr_spatial_rrr_c_end_points_batch(
  *   in     s (3 x 3, m, base frame): end points of the sub-legs
  *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  */
-int krhpr_spatial_rrr_c_redundant_coordinates(
+KRHPR_API int krhpr_spatial_rrr_c_redundant_coordinates(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant);
 /* Batch: in = p (3), Q (9), s (9); out = redundant (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_redundant_coordinates_batch(
+KRHPR_API int krhpr_spatial_rrr_c_redundant_coordinates_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -93,11 +93,11 @@ int krhpr_spatial_rrr_c_redundant_coordinates_batch(
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    s (3 x 3, m, base frame): end point of the sub-leg, S_i
  */
-int krhpr_spatial_rrr_c_subleg_forward(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_forward(
     const krhpr_spatial_rrr_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s);
 /* Batch: in = theta (9); out = s (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_subleg_forward_batch(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_forward_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -108,11 +108,11 @@ int krhpr_spatial_rrr_c_subleg_forward_batch(
  *   out    theta (3 x 4 x 3, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
-int krhpr_spatial_rrr_c_subleg_inverse(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_inverse(
     const krhpr_spatial_rrr_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = s (9); out = theta (36); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_subleg_inverse_batch(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_inverse_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -122,12 +122,12 @@ int krhpr_spatial_rrr_c_subleg_inverse_batch(
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    M (3 x 3 x 3, mixed, base frame): Jacobian of the sub-leg
  */
-int krhpr_spatial_rrr_c_subleg_jacobian(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_jacobian(
     const krhpr_spatial_rrr_c_geometry *g, const double s[9], const double theta[9],
     double *KRHPR_RESTRICT M);
 /* Batch: in = s (9), theta (9); out = M (27); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_subleg_jacobian_batch(
+KRHPR_API int krhpr_spatial_rrr_c_subleg_jacobian_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -139,12 +139,12 @@ int krhpr_spatial_rrr_c_subleg_jacobian_batch(
  *   in     s (3 x 3, m, base frame): end points of the sub-legs
  *   out    residual (6, mixed): residuals of the constraint equations
  */
-int krhpr_spatial_rrr_c_constraints(
+KRHPR_API int krhpr_spatial_rrr_c_constraints(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual);
 /* Batch: in = p (3), Q (9), s (9); out = residual (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_constraints_batch(
+KRHPR_API int krhpr_spatial_rrr_c_constraints_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -157,12 +157,12 @@ int krhpr_spatial_rrr_c_constraints_batch(
  *   out    J (6 x 6, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (6 x 9, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
  */
-int krhpr_spatial_rrr_c_jacobians(
+KRHPR_API int krhpr_spatial_rrr_c_jacobians(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = J (36), K (54); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_jacobians_batch(
+KRHPR_API int krhpr_spatial_rrr_c_jacobians_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -175,12 +175,12 @@ int krhpr_spatial_rrr_c_jacobians_batch(
  *   out    J (6 x 6, mixed, base frame): Jacobian of the platform, rows in the order of (1.31)
  *   out    K (3 x 2 x 3, mixed, base frame): the legs' blocks of K
  */
-int krhpr_spatial_rrr_c_jacobian_blocks(
+KRHPR_API int krhpr_spatial_rrr_c_jacobian_blocks(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = J (36), K (18); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_jacobian_blocks_batch(
+KRHPR_API int krhpr_spatial_rrr_c_jacobian_blocks_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -192,12 +192,12 @@ int krhpr_spatial_rrr_c_jacobian_blocks_batch(
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  */
-int krhpr_spatial_rrr_c_inverse(
+KRHPR_API int krhpr_spatial_rrr_c_inverse(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3), mode (6); out = theta (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -209,12 +209,12 @@ int krhpr_spatial_rrr_c_inverse_batch(
  *   out    theta (3 x 4 x 3, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
-int krhpr_spatial_rrr_c_inverse_all(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_all(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3); out = theta (36); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_all_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_all_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -229,12 +229,12 @@ int krhpr_spatial_rrr_c_inverse_all_batch(
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3]
  */
-int krhpr_spatial_rrr_c_inverse_near(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_near(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double theta_near[9], double *KRHPR_RESTRICT theta);
 /* Batch: in = p (3), Q (9), redundant (3), theta_near (9); out = theta (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_near_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_near_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -246,12 +246,12 @@ int krhpr_spatial_rrr_c_inverse_near_batch(
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
-int krhpr_spatial_rrr_c_inverse_status(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_status(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT excess);
 /* Batch: in = p (3), Q (9), redundant (3), mode (6); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_inverse_status_batch(
+KRHPR_API int krhpr_spatial_rrr_c_inverse_status_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -265,12 +265,12 @@ int krhpr_spatial_rrr_c_inverse_status_batch(
  *          theta_3]
  *   out    twist (6, m/s, rad/s, base frame): twist [p_dot, omega]
  */
-int krhpr_spatial_rrr_c_twist(
+KRHPR_API int krhpr_spatial_rrr_c_twist(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist);
 /* Batch: in = p (3), Q (9), s (9), theta (9), theta_dot (9); out = twist (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_twist_batch(
+KRHPR_API int krhpr_spatial_rrr_c_twist_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -286,13 +286,13 @@ int krhpr_spatial_rrr_c_twist_batch(
  *   out    theta_dot (3 x 3, rad/s or m/s, joint frame): rates of the actuated joints [theta_1, theta_2,
  *          theta_3]
  */
-int krhpr_spatial_rrr_c_joint_rates(
+KRHPR_API int krhpr_spatial_rrr_c_joint_rates(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3); out = theta_dot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_joint_rates_batch(
+KRHPR_API int krhpr_spatial_rrr_c_joint_rates_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -310,13 +310,13 @@ int krhpr_spatial_rrr_c_joint_rates_batch(
  *          [theta_1, theta_2, theta_3]
  *   out    twist_rate (6, m/s^2, rad/s^2, base frame): rate of the twist
  */
-int krhpr_spatial_rrr_c_platform_acceleration(
+KRHPR_API int krhpr_spatial_rrr_c_platform_acceleration(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
     double *KRHPR_RESTRICT twist_rate);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), theta_dot (9), theta_ddot (9); out = twist_rate (6); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_platform_acceleration_batch(
+KRHPR_API int krhpr_spatial_rrr_c_platform_acceleration_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -336,14 +336,14 @@ int krhpr_spatial_rrr_c_platform_acceleration_batch(
  *   out    theta_ddot (3 x 3, rad/s^2 or m/s^2, joint frame): accelerations of the actuated joints
  *          [theta_1, theta_2, theta_3]
  */
-int krhpr_spatial_rrr_c_joint_accelerations(
+KRHPR_API int krhpr_spatial_rrr_c_joint_accelerations(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     const double theta_dot[9], const double twist_rate[6], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
 /* Batch: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3), theta_dot (9), twist_rate (6), redundant_accelerations (3); out = theta_ddot (9); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_joint_accelerations_batch(
+KRHPR_API int krhpr_spatial_rrr_c_joint_accelerations_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -357,12 +357,12 @@ int krhpr_spatial_rrr_c_joint_accelerations_batch(
  *          S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
  *   out    platform_joint (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  */
-int krhpr_spatial_rrr_c_passive_joints(
+KRHPR_API int krhpr_spatial_rrr_c_passive_joints(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_passive_joints_batch(
+KRHPR_API int krhpr_spatial_rrr_c_passive_joints_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
@@ -381,13 +381,13 @@ int krhpr_spatial_rrr_c_passive_joints_batch(
  *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
  *   out    margins (2, mixed): det J_a (m) and det J_n (m^2): positive while all d_i > 0 [det J_a, det J_n]
  */
-int krhpr_spatial_rrr_c_singularity(
+KRHPR_API int krhpr_spatial_rrr_c_singularity(
     const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (6), type_2 (2), margins (2); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
-int krhpr_spatial_rrr_c_singularity_batch(
+KRHPR_API int krhpr_spatial_rrr_c_singularity_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);

@@ -159,7 +159,7 @@ static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], 
     angle[0] = theta[0];
 }
 
-/* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4 add, 2
+/* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add, 2
  * multiply) */
 static inline void krhpr_subleg_planar_rr_posture(
     const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1],

@@ -373,8 +373,8 @@ static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], 
     angle[2] = theta[2];
 }
 
-/* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. B.  (11 add, 20
- * multiply) */
+/* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (11
+ * add, 20 multiply) */
 static inline void krhpr_subleg_r_fivebar_posture(
     const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,

@@ -220,7 +220,7 @@ static inline void krhpr_subleg_rrr_posture_angles(const double theta[3], double
     angle[1] = theta[1];
 }
 
-/* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: 1.5, 2.5.  (13 add, 18
+/* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (13 add, 18
  * multiply) */
 static inline void krhpr_subleg_rrr_posture(
     const krhpr_subleg_rrr_geometry *g, const double s[3], const double sine[2], const double cosine[2],

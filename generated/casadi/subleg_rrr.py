@@ -210,8 +210,8 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: 1.5, 2.5.  (13
-    add, 18 multiply, 2 sine cosine)"""
+    """Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
+    (13 add, 18 multiply, 2 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, _theta_2 = theta
     cos_1 = ca.cos(theta_0)

@@ -71,13 +71,14 @@ class Signature(NamedTuple):
 
 
 class Guard(NamedTuple):
-    """A value that must keep a limit, and the status where it does not."""
+    """A value that must keep a limit; where it does not, the status and the results that are then NaN."""
 
     value: Any
     at_least: bool
     limit: float
     status: Status
     per_leg: bool
+    spoils: tuple[str, ...]
 
 
 class Arguments:
@@ -136,21 +137,16 @@ class Arguments:
     def finish(self, results: Mapping[str, tuple[Any, ...]], guards: Sequence[Guard] = ()) -> tuple[Any, ...]:
         """The results packed into arrays, NaN where there is no answer, and the status as the last one."""
         status = np.zeros(self.batch, dtype=np.int32)
-        failed_legs = np.zeros((LEGS, *self.batch), dtype=bool)
-        failed = np.zeros(self.batch, dtype=bool)
+        failed: dict[str, Any] = {}  # result -> where its legs have no answer, (3, batch...)
         for guard in guards:
             value = np.asarray(guard.value)
             kept = value >= guard.limit if guard.at_least else value <= guard.limit
-            bad = ~kept.astype(bool)
-            if guard.per_leg:
-                bad = np.broadcast_to(bad, failed_legs.shape)
-                failed_legs |= bad
-                for leg in range(LEGS):
-                    status = np.where((status == 0) & bad[leg], guard.status + leg, status)
-            else:
-                bad = np.broadcast_to(bad, failed.shape)
-                failed |= bad
-                status = np.where((status == 0) & bad, guard.status, status)
+            bad = np.broadcast_to(~kept.astype(bool), (LEGS, *self.batch))
+            for leg in range(LEGS):
+                code = guard.status + leg if guard.per_leg else guard.status
+                status = np.where((status == 0) & bad[leg], code, status)
+            for name in guard.spoils:
+                failed[name] = failed.get(name, False) | bad
         invalid = np.zeros(self.batch, dtype=bool)
         for port in self.signature.inputs:
             array = self.arrays[port.name]
@@ -158,15 +154,12 @@ class Arguments:
                 axes = tuple(range(array.ndim - len(port.shape), array.ndim))
                 invalid = invalid | ~np.isfinite(array).all(axis=axes)
         status = np.where(invalid, Status.INVALID_INPUT, status)
-        guarded = {id(guard.value) for guard in guards}
         packed = []
         for port in self.signature.outputs:
-            parts = results[port.name]
-            keep = id(parts[0]) in guarded
-            array = self._pack(port, parts)
+            array = self._pack(port, results[port.name])
             if array.dtype != object:
-                if not keep:
-                    self._fill(port, array, failed_legs, failed)
+                if port.name in failed:
+                    self._fill(port, array, failed[port.name])
                 array[np.broadcast_to(invalid, self.batch)] = np.nan
             packed.append(array)
         return (*packed, status.astype(np.int32))
@@ -190,14 +183,14 @@ class Arguments:
             diagonal[..., rows * leg : rows * (leg + 1), columns * leg : columns * (leg + 1)] = block
         return diagonal
 
-    def _fill(self, port: Port, array: Any, failed_legs: Any, failed: Any) -> None:
+    def _fill(self, port: Port, array: Any, failed: Any) -> None:
         if port.layout == "shared":
-            array[failed | failed_legs.any(axis=0)] = np.nan
+            array[failed.any(axis=0)] = np.nan
             return
         rows = port.shape[0] // LEGS
         columns = port.shape[1] // LEGS if port.layout == "block diagonal" else 0
         for leg in range(LEGS):
-            where: Any = (failed_legs[leg] | failed, slice(rows * leg, rows * (leg + 1)))
+            where: Any = (failed[leg], slice(rows * leg, rows * (leg + 1)))
             if port.layout == "block diagonal":
                 where = (*where, slice(columns * leg, columns * (leg + 1)))
             array[where] = np.nan

@@ -597,7 +597,7 @@ def subleg_forward(
                 "s": s,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("s", )),
             ),
         )
     answer = results[0]
@@ -629,7 +629,7 @@ def subleg_inverse(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
                 "theta": theta,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("theta", )),
             ),
         )
     answer = results[0]
@@ -661,7 +661,7 @@ def subleg_jacobian(
                 "M": M,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("M", )),
             ),
         )
     answer = results[0]
@@ -731,7 +731,7 @@ def jacobians(
                 "K": K,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("K", )),
             ),
         )
     answer = Jacobians(*results[:-1])
@@ -770,7 +770,7 @@ def jacobian_blocks(
                 "K": K,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("K", )),
             ),
         )
     answer = JacobianBlocks(*results[:-1])
@@ -809,7 +809,7 @@ def inverse(
                 "theta": theta,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("theta", )),
             ),
         )
     answer = results[0]
@@ -845,7 +845,7 @@ def inverse_all(
                 "theta": theta,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("theta", )),
             ),
         )
     answer = results[0]
@@ -916,7 +916,7 @@ def inverse_status(
                 "excess": excess,
             },
             (
-                rt.Guard(excess[0], False, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(excess[0], False, 0.0, Status.UNREACHABLE_LEG_1, True, ()),
             ),
         )
     answer = results[0]
@@ -958,9 +958,9 @@ def twist(
                 "twist": twist,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
-                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False),
-                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("twist", )),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("twist", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("twist", )),
             ),
         )
     answer = results[0]
@@ -1001,7 +1001,7 @@ def joint_rates(
                 "theta_dot": theta_dot,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_dot", )),
             ),
         )
     answer = results[0]
@@ -1053,9 +1053,9 @@ def platform_acceleration(
                 "twist_rate": twist_rate,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
-                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False),
-                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("twist_rate", )),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("twist_rate", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("twist_rate", )),
             ),
         )
     answer = results[0]
@@ -1106,7 +1106,7 @@ def joint_accelerations(
                 "theta_ddot": theta_ddot,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_ddot", )),
             ),
         )
     answer = results[0]

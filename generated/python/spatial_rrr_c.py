@@ -586,7 +586,7 @@ def subleg_inverse(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: boo
                 "theta": theta,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("theta", )),
             ),
         )
     answer = results[0]
@@ -756,7 +756,7 @@ def inverse(
                 "theta": theta,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("theta", )),
             ),
         )
     answer = results[0]
@@ -790,7 +790,7 @@ def inverse_all(
                 "theta": theta,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("theta", )),
             ),
         )
     answer = results[0]
@@ -859,7 +859,7 @@ def inverse_status(
                 "excess": excess,
             },
             (
-                rt.Guard(excess[0], False, 0.0, Status.UNREACHABLE_LEG_1, True),
+                rt.Guard(excess[0], False, 0.0, Status.UNREACHABLE_LEG_1, True, ()),
             ),
         )
     answer = results[0]
@@ -901,8 +901,8 @@ def twist(
                 "twist": twist,
             },
             (
-                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False),
-                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("twist", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("twist", )),
             ),
         )
     answer = results[0]
@@ -943,7 +943,7 @@ def joint_rates(
                 "theta_dot": theta_dot,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_dot", )),
             ),
         )
     answer = results[0]
@@ -995,8 +995,8 @@ def platform_acceleration(
                 "twist_rate": twist_rate,
             },
             (
-                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False),
-                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("twist_rate", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("twist_rate", )),
             ),
         )
     answer = results[0]
@@ -1047,7 +1047,7 @@ def joint_accelerations(
                 "theta_ddot": theta_ddot,
             },
             (
-                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True),
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_ddot", )),
             ),
         )
     answer = results[0]

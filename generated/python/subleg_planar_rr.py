@@ -147,7 +147,7 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: 2.2.1, 2.5.  (4
+    """Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4
     add, 2 multiply, 1 sine cosine)"""
     s_0, s_1 = s
     theta_0, _theta_1 = theta

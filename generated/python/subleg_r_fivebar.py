@@ -361,8 +361,8 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. B.  (11
-    add, 20 multiply, 3 sine cosine)"""
+    """Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A,
+    2.3.1.  (11 add, 20 multiply, 3 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
     cos_1 = np.cos(theta_0)

@@ -56,6 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     parser = _parser()
     options = parser.parse_args(arguments)
+    debug = "debug" in options
     if options.command is None:
         parser.print_help(sys.stderr)
         return Exit.WRONG_USE
@@ -72,20 +73,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return Exit.FAILED
         except Exception as error:
-            if options.debug:
+            if debug:
                 traceback.print_exc()
-            message, code = _explain(error)
-            _say(message)
-            if code is Exit.FAILED and not options.debug and not isinstance(error, KrhprError):
-                _say("--debug shows where")
-            return code
+            if explained := _explain(error):
+                _say(explained[0])
+                return explained[1]
+            _say(f"{type(error).__name__}: {error}" + ("" if debug else "\nkrhpr: --debug shows where"))
+            return Exit.FAILED
 
 
-def _explain(error: Exception) -> tuple[str, Exit]:
-    """The message and the exit code for an error."""
+def _explain(error: Exception) -> tuple[str, Exit] | None:
+    """The message and the exit code for an error; None where it is one that nobody expects."""
+    from krhpr.native import CompilationError, NoCompiler
+
     if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput)):
         return str(error), Exit.WRONG_USE
-    if isinstance(error, KrhprError):
+    if isinstance(error, (KrhprError, NoCompiler, CompilationError)):
         return str(error), Exit.FAILED
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.partition(".")[0]
@@ -95,7 +98,7 @@ def _explain(error: Exception) -> tuple[str, Exit]:
     if isinstance(error, OSError) and error.strerror:
         place = f"{error.filename}: " if error.filename is not None else ""
         return f"{place}{error.strerror}", Exit.FAILED
-    return f"{type(error).__name__}: {error}", Exit.FAILED
+    return None
 
 
 _EXTRAS = {
@@ -118,7 +121,7 @@ def _parser() -> argparse.ArgumentParser:
         parents=[debug],
         allow_abbrev=False,
     )
-    parser.set_defaults(debug=False, command=None)
+    parser.set_defaults(command=None)
     parser.add_argument("--version", action="version", version=f"krhpr {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in COMMANDS:

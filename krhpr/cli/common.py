@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 from krhpr.errors import KrhprError
 
@@ -54,6 +54,8 @@ class Column:
 
     title: str
     numeric: bool = False
+    whole: bool = False
+    """never broken over two lines"""
 
 
 def print_table(columns: Sequence[Column], rows: Sequence[Sequence[object]]) -> None:
@@ -68,7 +70,8 @@ def print_table(columns: Sequence[Column], rows: Sequence[Sequence[object]]) -> 
 
     table = Table(box=rich.box.SIMPLE_HEAD, pad_edge=False, header_style="bold")
     for column in columns:
-        table.add_column(column.title, justify="right" if column.numeric else "left", overflow="fold")
+        justify: Literal["left", "right"] = "right" if column.numeric else "left"
+        table.add_column(column.title, justify=justify, overflow="fold", no_wrap=column.whole)
     for row in texts:
         table.add_row(*map(Text, row))
     rich.console.Console().print(table)

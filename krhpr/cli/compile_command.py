@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     identifiers = [identifier for identifier in known if not options.robots or identifier in options.robots]
     with progress(len(identifiers) + 1) as step:
         libraries = compile_all(identifiers, step)
-    columns = (Column("robot"), Column("kB", numeric=True), Column("library"))
+    columns = (Column("robot", whole=True), Column("kB", numeric=True), Column("library"))
     rows = [(identifier, path.stat().st_size // 1000, path) for identifier, path in libraries.items()]
     print_table(columns, rows)
     return Exit.OK

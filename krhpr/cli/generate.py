@@ -167,7 +167,7 @@ def _report_check(files: Sequence[File], folder: Path, *, standalone: bool) -> i
 
 
 def _write(files: Sequence[File], folder: Path, *, standalone: bool) -> list[Change]:
-    from krhpr.codegen.output import is_generated, write
+    from krhpr.codegen.output import Difference, compare, is_generated, write
 
     if standalone:
         own = [
@@ -181,9 +181,11 @@ def _write(files: Sequence[File], folder: Path, *, standalone: bool) -> list[Cha
             )
     try:
         with _one_interrupt():
-            return write(files, folder)
+            found = compare(files, folder)
+            write(files, folder, found)
     except PermissionError:
         _stop_read_only(folder, not standalone)
+    return [change for change in found if not standalone or change.difference is not Difference.FOREIGN]
 
 
 def _refuse_read_only(folder: Path, default: bool) -> None:
@@ -230,9 +232,16 @@ def _identifier(name: str) -> str:
 def _changed(changes: Sequence[Change]) -> str:
     from krhpr.codegen.output import Difference
 
-    words = {Difference.NEW: "new", Difference.CHANGED: "changed", Difference.ORPHAN: "removed"}
-    counts = Counter(words[change.difference] for change in changes)
-    return ", ".join(f"{count} {word}" for word, count in counts.items()) or "none changed"
+    words = {
+        Difference.NEW: "new",
+        Difference.CHANGED: "changed",
+        Difference.ORPHAN: "removed",
+        Difference.FOREIGN: "not generated and left alone (--check names them)",
+    }
+    counts = Counter(change.difference for change in changes)
+    return (
+        ", ".join(f"{counts[kind]} {word}" for kind, word in words.items() if counts[kind]) or "none changed"
+    )
 
 
 # -- compiling -----------------------------------------------------------------------------------------------
@@ -268,7 +277,7 @@ def _rows(derived: Derived, files: Sequence[File]) -> Rows:
 def _print_table(rows: Rows) -> None:
     sys.stderr.flush()
     columns = {
-        "robot": Column("robot"),
+        "robot": Column("robot", whole=True),
         "functions": Column("functions", numeric=True),
         "written": Column("operations as written", numeric=True),
         "operations": Column("after optimisation", numeric=True),

@@ -33,8 +33,8 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(rows, indent=1))
         return Exit.OK
     columns = (
-        Column("robot"),
-        Column("notation"),
+        Column("robot", whole=True),
+        Column("notation", whole=True),
         Column("title"),
         Column("working modes", numeric=True),
         Column("assembly modes", numeric=True),

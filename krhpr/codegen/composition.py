@@ -7,7 +7,7 @@ the same for every target; the printers only translate calls.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 
@@ -97,6 +97,7 @@ class Guard:
     why.
 
     For a leg's value the status is `status` + the leg's index and only that leg's part of the answer is NaN.
+    `spoils` names the outputs that have no meaning then (all unless given).
     """
 
     variable: str
@@ -104,6 +105,15 @@ class Guard:
     relation: Relation
     limit: float
     status: Status
+    spoils: tuple[str, ...] = ()
+
+    def spoilt(self, outputs: Iterable[Port]) -> tuple[Port, ...]:
+        """The outputs that are NaN where the guard fails; the guarded value itself stays."""
+        return tuple(
+            port
+            for port in outputs
+            if port.name != self.variable and (not self.spoils or port.name in self.spoils)
+        )
 
 
 @dataclass(frozen=True)

@@ -84,8 +84,7 @@ class Graph:
     def __iter__(self) -> Iterator[tuple[int, Node]]:
         return iter(enumerate(self.nodes))
 
-    # -- leaves
-    # -------------------------------------------------------------------------------------------------
+    # -- leaves ---------------------------------------------------------------------------------------------
 
     def constant(self, value: int | Fraction) -> int:
         """A rational constant."""
@@ -100,8 +99,7 @@ class Graph:
         entry = self.nodes[node]
         return entry.value if isinstance(entry.value, Fraction) else None
 
-    # -- operations
-    # ---------------------------------------------------------------------------------------------
+    # -- operations -----------------------------------------------------------------------------------------
 
     def add(self, a: int, b: int) -> int:
         """The node of a + b."""
@@ -269,8 +267,7 @@ class Graph:
             return self.input(node.value.port, node.value.index)
         return self.apply(node.op, [place[argument] for argument in node.args])
 
-    # -- structure
-    # ----------------------------------------------------------------------------------------------
+    # -- structure ------------------------------------------------------------------------------------------
 
     def name(self, node: int, name: Name) -> None:
         """Name a node; the first name stays, and leaves keep the name of their port."""

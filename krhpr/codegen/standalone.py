@@ -7,7 +7,7 @@ the folder is a package wherever it lies.  In C each robot becomes one pair of f
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
 from krhpr.codegen.pipeline import Derived
@@ -26,12 +26,12 @@ def standalone_files(derived: Derived, files: Sequence[File], package: str) -> l
 
 
 def _gather(files: Sequence[File], identifiers: Sequence[str], package: str) -> Iterator[File]:
-    headers = {PurePosixPath(file.path).name: file.text for file in files if file.path.endswith(".h")}
-    own = {f"krhpr_{identifier}.{ending}" for identifier in identifiers for ending in ("h", "c")}
+    sources = {PurePosixPath(file.path).name: file.text for file in files if file.path.startswith("c/")}
+    own = {name for name in sources if _is_of(name, identifiers)}
     for file in files:
         path = PurePosixPath(file.path)
         if path.name in own:
-            yield File(file.path, _written_out(path.name, file.text, headers, own))
+            yield File(file.path, _written_out(file.text, sources, own))
         elif path.suffix == ".py":
             yield File(file.path, file.text.replace(GENERATED_PACKAGE, package))
         elif path.suffix != ".h" and file.path != "README.md":
@@ -39,25 +39,29 @@ def _gather(files: Sequence[File], identifiers: Sequence[str], package: str) -> 
     yield File("README.md", render("standalone.md.j2", identifiers=identifiers, package=package))
 
 
-def _written_out(name: str, text: str, headers: dict[str, str], own: Iterable[str]) -> str:
-    """A source or header with the shared headers that it includes in their place, each once."""
-    # a robot's source includes its header, and with that whatever the header holds
-    header = name.removesuffix(".c") + ".h"
-    seen = set(_included(header, headers)) if name.endswith(".c") else set()
+def _is_of(name: str, identifiers: Iterable[str]) -> bool:
+    """Whether a C file is a robot's own: krhpr_<robot>.c, krhpr_<robot>_<something>.h."""
+    return any(re.fullmatch(rf"krhpr_{identifier}(_\w+)?\.[ch]", name) for identifier in identifiers)
+
+
+def _written_out(text: str, sources: Mapping[str, str], own: Container[str]) -> str:
+    """A robot's C file with the shared headers that it includes in their place, each once."""
+    seen: set[str] = set()
 
     def insert(match: re.Match[str]) -> str:
         included = match[1]
-        if included in own:
+        if included in own:  # stays, and brings all that it includes
+            seen.update(_included(included, sources))
             return match[0]
         if included in seen:
             return ""
         seen.add(included)
-        return _INCLUDE.sub(insert, headers[included])
+        return _INCLUDE.sub(insert, sources[included])
 
     return _INCLUDE.sub(insert, text)
 
 
-def _included(name: str, headers: dict[str, str]) -> Iterator[str]:
-    for included in _INCLUDE.findall(headers[name]):
+def _included(name: str, sources: Mapping[str, str]) -> Iterator[str]:
+    for included in _INCLUDE.findall(sources[name]):
         yield included
-        yield from _included(included, headers)
+        yield from _included(included, sources)

@@ -1,9 +1,9 @@
-"""Twins of kernels that carry tangents: with the values go their derivatives along several directions at once.
+"""Twins of kernels that carry tangents: with the values go their derivatives along several directions.
 
-`tangent_twin` differentiates a kernel on its graph (forward mode).  The twin first computes what does not depend on the
-directions, once; the rest is linear in them and straight-line, so a target prints it as a loop over the directions that a
-compiler turns into vector code.  `tangent_function` finds what a robot's function needs: its calls without those that only
-guard, and the structure (sparsity) of its Jacobian.
+`tangent_twin` differentiates a kernel on its graph (forward mode).  The twin first computes, once, what does not
+depend on the directions; the rest is straight-line and linear in them, so that a target prints it as a loop over the
+directions, which compilers turn into vector code.  `tangent_function` finds what a robot's function needs: its calls
+without those that only guard, and the structure (sparsity) of its Jacobian.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def is_tangent(ref: InputRef) -> bool:
     return ref.port.endswith(SUFFIX)
 
 
-def differentiable_outputs(kernel: Kernel) -> tuple[Port, ...]:
+def twin_outputs(kernel: Kernel) -> tuple[Port, ...]:
     """Outputs without a kink (absolute value, least, largest) on the way: all but those that serve guards."""
     found = []
     for port in kernel.outputs:
@@ -39,32 +39,15 @@ def differentiable_outputs(kernel: Kernel) -> tuple[Port, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class TwinPorts:
-    """Arguments of a twin: values, then tangents."""
+def tangent_twin(kernel: Kernel) -> Kernel | None:
+    """A kernel with a tangent for every input (but branches) and every output that has a derivative.
 
-    inputs: tuple[Port, ...]
-    outputs: tuple[Port, ...]
-
-
-def twin_ports(kernel: Kernel) -> TwinPorts | None:
-    """A tangent for every input (but branches) and every differentiable output; None where there is none."""
-    outputs = differentiable_outputs(kernel)
+    Nodes that do not depend on tangents come first, and those that the others read have names.  A kernel that only serves
+    guards has no twin.
+    """
+    outputs = twin_outputs(kernel)
     if not outputs:
         return None
-    carried = (port for port in kernel.inputs if port.name not in BRANCHES)
-    return TwinPorts((*kernel.inputs, *map(_tangent_port, carried)), (*outputs, *map(_tangent_port, outputs)))
-
-
-def tangent_twin(kernel: Kernel) -> Kernel | None:
-    """The twin of a kernel, where it has one.
-
-    Nodes that do not depend on tangents come first, and those that the others read have names.
-    """
-    ports = twin_ports(kernel)
-    if ports is None:
-        return None
-    outputs = differentiable_outputs(kernel)
     carried = [port for port in kernel.inputs if port.name not in BRANCHES]
     graph = Graph()
     place = kernel.graph.copy_into(graph, {})
@@ -86,8 +69,8 @@ def tangent_twin(kernel: Kernel) -> Kernel | None:
         kernel,
         name=kernel.name + SUFFIX,
         doc=f"`{kernel.name}` with the derivatives of its outputs along directions of its inputs.",
-        inputs=ports.inputs,
-        outputs=ports.outputs,
+        inputs=(*kernel.inputs, *map(_tangent_port, carried)),
+        outputs=(*outputs, *map(_tangent_port, outputs)),
         graph=graph,
         results=results,
     )
@@ -109,7 +92,7 @@ def _varying(graph: Graph) -> list[bool]:
 
 
 def _multiply_by_reciprocals(kernel: Kernel) -> Kernel:
-    """Divide once for all directions: a tangent over a value becomes the tangent times the value's reciprocal."""
+    """Divide once for all directions: a tangent over a value is the tangent times the value's reciprocal."""
     varying = _varying(kernel.graph)
     target = Graph()
     place: list[int] = []
@@ -153,7 +136,7 @@ def _moved(kernel: Kernel, graph: Graph, place: Sequence[int]) -> Kernel:
     return replace(kernel, graph=graph, results=results)
 
 
-# -- functions ----------------------------------------------------------------------------------------------------
+# -- functions --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -164,7 +147,9 @@ class TangentFunction:
     carried: frozenset[str]
     """Variables that have a tangent."""
     structure: Mapping[tuple[str, str], frozenset[tuple[int, int]]]
-    """(output, input) -> (element, element), row-major in the ports' full shapes, where the derivative may not vanish."""
+    """(output, input) -> (element, element) of the legs' arrays one after the other, where the derivative may be other
+    than zero.
+    """
 
 
 def tangent_function(function: RobotFunction, parts: Mapping[str, Part]) -> TangentFunction | None:
@@ -177,7 +162,7 @@ def tangent_function(function: RobotFunction, parts: Mapping[str, Part]) -> Tang
         reads = {call.variable_in(port.name) for port in kernel.inputs if port.name not in BRANCHES}
         if not reads <= made:
             return None
-        made |= {call.variable_out(port.name) for port in differentiable_outputs(kernel)}
+        made |= {call.variable_out(port.name) for port in twin_outputs(kernel)}
     if any(port.name not in made for port in function.outputs):
         return None
     return TangentFunction(calls, frozenset(made), _structure(function, calls, parts))

@@ -54,8 +54,7 @@ class KernelWriter:
         self._written = 0
         self.g = self._geometry_symbols(geometry)
 
-    # -- ports
-    # --------------------------------------------------------------------------------------------------
+    # -- ports ----------------------------------------------------------------------------------------------
 
     def input(
         self,
@@ -108,8 +107,7 @@ class KernelWriter:
         self._outputs.append(port)
         self._results[port.name] = nodes
 
-    # -- formulas
-    # -----------------------------------------------------------------------------------------------
+    # -- formulas -------------------------------------------------------------------------------------------
 
     def let(self, name: str, value: Any, note: str = "") -> Any:
         """Give an expression a name; returns symbols that stand for it."""
@@ -182,8 +180,7 @@ class KernelWriter:
             self._geometry,
         )
 
-    # -- conversion
-    # ---------------------------------------------------------------------------------------------
+    # -- conversion -----------------------------------------------------------------------------------------
 
     def _geometry_symbols(self, geometry: GeometryType | None) -> SimpleNamespace:
         symbols: dict[str, Any] = {}

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from krhpr.codegen.composition import RobotFunction
 from krhpr.validation.arithmetic import BALLS
+from krhpr.validation.check import Check, Target
 from krhpr.validation.exact import derivation, in_balls
 from krhpr.validation.numbers import Ball, ball_precision
 from krhpr.validation.numeric import Floats, Numeric, target
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.plan import Check, Target
 from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.scale import relative, worst_of
 from krhpr.validation.subject import Subject
@@ -38,7 +39,7 @@ def against_numpy(subject: Subject, check: Check, count: int) -> Measured:
     found = Measured(check, samples=len(batch))
     for port in function.outputs:
         error, index = worst_of(relative(port, results[0][port.name], results[1][port.name]))
-        found.worse(error, lambda port=port, index=index: _blame(batch, function, index, port.name, one, other, check))
+        found.worse(error, partial(_blame, batch, function, index, port.name, (one, other), check))
     if "status" in results[0]:
         apart = results[0]["status"] != results[1]["status"]
         found.worse(apart.astype(float), "the statuses differ")
@@ -46,13 +47,13 @@ def against_numpy(subject: Subject, check: Check, count: int) -> Measured:
 
 
 def _blame(
-    batch: Batch, function: RobotFunction, index: int, name: str, one: Numeric, other: Numeric, check: Check
+    batch: Batch, function: RobotFunction, index: int, name: str, pair: tuple[Numeric, Numeric], check: Check
 ) -> str:
     """Where two targets differ, and how far each is from the derivation."""
     text = f"{name} at sample {index} (seed {check.seed})"
     truth = true_values(batch, function, index)
     port = next(port for port in function.outputs if port.name == name)
-    for which, label in ((one, str(check.target)), (other, str(Target.NUMPY))):
+    for which, label in zip(pair, (check.target, Target.NUMPY), strict=True):
         values = {key: array[index : index + 1] for key, array in batch.of(function).items()}
         got = which.call(function.name, values, batch.geometry)[name]
         error, _ = worst_of(relative(port, got, truth[name][None]))
@@ -66,7 +67,9 @@ def true_values(batch: Batch, function: RobotFunction, index: int) -> dict[str, 
     with ball_precision():
         results = derivation(batch.subject, function, in_balls(batch, function, index), geometry, BALLS)
     shapes = {port.name: port.full_shape for port in function.outputs}
-    return {name: np.array([_double(x) for x in values]).reshape(shapes[name]) for name, values in results.items()}
+    return {
+        name: np.array([_double(x) for x in values]).reshape(shapes[name]) for name, values in results.items()
+    }
 
 
 def _double(value: Any) -> float:
@@ -83,7 +86,7 @@ def error_of_doubles(subject: Subject, check: Check, count: int) -> Measured:
         truth = true_values(batch, function, index)
         for port in function.outputs:
             error = relative(port, results[port.name][index][None], truth[port.name][None])
-            found.worse(error, lambda port=port, index=index: f"{port.name} at sample {index} (seed {check.seed})")
+            found.worse(error, f"{port.name} at sample {index} (seed {check.seed})")
     return found
 
 

@@ -459,7 +459,7 @@ class _Preprocessor:
                     name: self.expand(argument, hidden)
                     for name, argument in zip(macro.parameters, arguments, strict=True)
                 }
-                body = _IDENTIFIER.sub(lambda found, given=given: given.get(found.group(), found.group()), macro.body)
+                body = _substituted(macro.body, given)
                 output.append(self.expand(body, hidden | {word}))
                 position = end
             else:
@@ -491,7 +491,11 @@ class _Preprocessor:
     def _simple_directive(self, name: str, rest: str, where: str) -> None:
         if name == "define":
             definition = re.match(r"([A-Za-z_]\w*)(?:\(([\w\s,]*)\))?(.*)", rest)
-            if definition is None or definition[3].startswith("(") or (definition[2] is not None and "#" in rest):
+            if (
+                definition is None
+                or definition[3].startswith("(")
+                or (definition[2] is not None and "#" in rest)
+            ):
                 raise Unsupported(f"{where}: the macro {rest!r}")
             macro: str | _FunctionMacro = definition[3].strip()
             if definition[2] is not None:
@@ -518,6 +522,11 @@ class _Preprocessor:
         except c_parser.ParseError as error:
             raise Unsupported(f"{where}: #if {condition}") from error
         return _integer_constant(declaration.init, {}) != 0
+
+
+def _substituted(body: str, given: Mapping[str, str]) -> str:
+    """The body of a macro with its parameters replaced."""
+    return _IDENTIFIER.sub(lambda found: given.get(found.group(), found.group()), body)
 
 
 def _macro_arguments(text: str, position: int) -> tuple[list[str] | None, int]:

@@ -1,8 +1,10 @@
-"""Configurations in which every loop closes exactly, with rational coordinates: the points at which proofs are made.
+"""Configurations in which every loop closes exactly, with rational coordinates: the points at which
+proofs are made.
 
-The platform and its end points are drawn first.  Then each leg is built so that it ends there: its angles are drawn, and
-lengths and base follow from them, as rational numbers (they may come out negative: formulas do not mind).  A sub-leg that
-is not known here gets its joints from `inverse` in ball arithmetic.
+The platform and its end points are drawn first.  Then each leg is built so that it ends there: its angles
+are drawn, and lengths and base follow from them, as rational numbers (they may come out negative:
+formulas do not mind).  A sub-leg that is not known here gets its joints from `inverse` in ball
+arithmetic.
 """
 
 from __future__ import annotations
@@ -99,7 +101,8 @@ def _in_balls(subject: Subject, source: Draw) -> Configuration:
     batch = draw(subject, source.random.randrange(1 << 30), 1, spread=0.1)
     geometry = {name: [Ball(x) for x in numbers] for name, numbers in batch.geometry.items()}
     values: dict[str, list[Any]] = {
-        name: [Ball(x) for x in batch.values[name][0].ravel().tolist()] for name in (*batch.pose, "redundant", "mode")
+        name: [Ball(x) for x in batch.values[name][0].ravel().tolist()]
+        for name in (*batch.pose, "redundant", "mode")
     }
     if subject.planar:
         phi = values["phi"][0]
@@ -129,7 +132,7 @@ def _with_assembly(here: Configuration) -> Configuration:
     return Configuration(here.subject, here.arithmetic, here.geometry, {**here.values, "assembly": found})
 
 
-# -- legs that end at a given point -----------------------------------------------------------------------------------
+# -- legs that end at a given point ----------------------------------------------------------------
 
 
 def _direction(angle: Angle) -> list[Any]:
@@ -149,11 +152,14 @@ def _resolve(v: Sequence[Any], a: Angle, b: Angle) -> tuple[Any, Any, Angle, Ang
     return m, n, a, b
 
 
-def _on_first_axis(source: Draw, s: list[Any], d: list[Any], lengths: dict[str, Any]) -> tuple[dict[str, Any], Angle]:
-    """The base of a leg whose linkage ends at d = (r, y) in its plane: azimuth, R_b, alpha, l_1 and theta_1.
+def _on_first_axis(
+    source: Draw, s: list[Any], d: list[Any], lengths: dict[str, Any]
+) -> tuple[dict[str, Any], Angle]:
+    """The base of a leg whose linkage ends at d = (r, y) in its plane: azimuth, R_b, alpha, l_1 and
+    theta_1.
 
-    With s = c + r x + y e_1, along e_t: s . e_t = -r sin(theta_1), which a common scale of the lengths fits; along e_x and
-    e_1 the two lengths R_b and l_1 are free.
+    With s = c + r x + y e_1, along e_t: s . e_t = -r sin(theta_1), which a common scale of the lengths
+    fits; along e_x and e_1 the two lengths R_b and l_1 are free.
     """
     azimuth, alpha, theta_1 = source.angle(), source.angle(), source.angle()
     e_r, e_t, e_z = [azimuth.cos(), azimuth.sin(), 0], [-azimuth.sin(), azimuth.cos(), 0], [0, 0, 1]
@@ -165,7 +171,12 @@ def _on_first_axis(source: Draw, s: list[Any], d: list[Any], lengths: dict[str, 
     r, y = scale * d[0], scale * d[1]
     radius = (r * theta_1.cos() - dot(s, e_x)) / alpha.sin()
     fields = {name: scale * length for name, length in lengths.items()}
-    fields |= {"azimuth": azimuth, "alpha": alpha, "R_b": radius, "l_1": dot(s, e_1) + radius * alpha.cos() - y}
+    fields |= {
+        "azimuth": azimuth,
+        "alpha": alpha,
+        "R_b": radius,
+        "l_1": dot(s, e_1) + radius * alpha.cos() - y,
+    }
     return fields, theta_1
 
 

@@ -1,7 +1,8 @@
-"""Finite differences: every function that is a derivative against difference quotients of the functions it derives.
+"""Finite differences: every function that is a derivative against difference quotients of the functions
+it derives.
 
-Only generated functions of one target take part, at random configurations of a random geometry.  Differences of joints are
-taken along the smaller arc.
+Only generated functions of one target take part, at random configurations of a random
+geometry.  Differences of joints are taken along the smaller arc.
 """
 
 from __future__ import annotations
@@ -11,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from krhpr.validation.check import Check
 from krhpr.validation.numeric import Floats, Numeric, target
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.plan import Check
 from krhpr.validation.sampling import Batch, draw, rotations
 from krhpr.validation.subject import Subject
 
@@ -57,7 +58,9 @@ def call(one: Numeric, batch: Batch, name: str, **values: Any) -> dict[str, Floa
     return one.call(name, {port.name: everything[port.name] for port in function.inputs}, batch.geometry)
 
 
-def quotient(values: Callable[[float], Floats], gap: Callable[[Floats, Floats], Floats] = np.subtract) -> Floats:
+def quotient(
+    values: Callable[[float], Floats], gap: Callable[[Floats, Floats], Floats] = np.subtract
+) -> Floats:
     """The derivative at zero by central differences of fourth order."""
     near, far = (gap(values(k * STEP), values(-k * STEP)) for k in (1, 2))
     result: Floats = (8 * near - far) / (12 * STEP)
@@ -72,7 +75,7 @@ def second_quotient(values: Callable[[float], Floats], gap: Callable[[Floats, Fl
     return result
 
 
-# -- motions ----------------------------------------------------------------------------------------------------------
+# -- motions ---------------------------------------------------------------------------------------
 
 
 def moved(batch: Batch, twist: Floats, time: float, acceleration: Floats | None = None) -> dict[str, Floats]:
@@ -125,7 +128,7 @@ def differenced_accelerations(one: Numeric, batch: Batch) -> Floats:
     return quotient(lambda time: joint_rates(one, batch, time))
 
 
-# -- checks -----------------------------------------------------------------------------------------------------------
+# -- checks ----------------------------------------------------------------------------------------
 
 
 def _bumped(values: Floats, index: int, step: float) -> Floats:
@@ -140,7 +143,6 @@ def m_of_forward(one: Numeric, batch: Batch, found: Measured) -> None:
     M = call(one, batch, "subleg_jacobian")["M"]
     theta = batch.values["theta"]
     for joint in range(one.subject.subleg.n):
-
 
         def end(step: float, joint: int = joint) -> Floats:
             return call(one, batch, "subleg_forward", theta=_bumped(theta, joint, step))["s"]
@@ -157,7 +159,6 @@ def m_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
         M = call(one, batch, "subleg_jacobian", theta=every[:, :, mode])["M"]
         columns = []
         for axis in range(s.shape[-1]):
-
 
             def found_joints(step: float, axis: int = axis, mode: int = mode) -> Floats:
                 return call(one, batch, "subleg_inverse", s=_bumped(s, axis, step))["theta"][:, :, mode]
@@ -176,7 +177,6 @@ def _columns_of_j(one: Numeric, batch: Batch) -> Floats:
         twist = np.zeros((len(batch), freedom))
         twist[:, index] = 1.0
 
-
         def residual(step: float, twist: Floats = twist) -> Floats:
             return call(one, batch, "constraints", **moved(batch, twist, step))["residual"]
 
@@ -189,7 +189,6 @@ def _columns_of_k(one: Numeric, batch: Batch) -> Floats:
     theta, columns = batch.values["theta"], []
     for leg in range(theta.shape[1]):
         for joint in range(theta.shape[2]):
-
 
             def residual(step: float, leg: int = leg, joint: int = joint) -> Floats:
                 bumped = theta.copy()
@@ -223,7 +222,9 @@ def blocks(one: Numeric, batch: Batch, found: Measured) -> None:
 
 def rates(one: Numeric, batch: Batch, found: Measured) -> None:
     """joint_rates."""
-    compare(found, differenced_rates(one, batch), call(one, batch, "joint_rates")["theta_dot"], "theta_dot", 2)
+    compare(
+        found, differenced_rates(one, batch), call(one, batch, "joint_rates")["theta_dot"], "theta_dot", 2
+    )
 
 
 def twist(one: Numeric, batch: Batch, found: Measured) -> None:

@@ -1,4 +1,6 @@
-"""Random exact numbers: rationals with few digits, rational angles and rotations, and arguments of any port."""
+"""Random exact numbers: rationals with few digits, rational angles and rotations, and arguments of any
+port.
+"""
 
 from __future__ import annotations
 
@@ -72,11 +74,15 @@ class Draw:
         """Rational numbers."""
         return [self.rational() for _ in range(count)]
 
-    # -- arguments ----------------------------------------------------------------------------------------------
+    # -- arguments ---------------------------------------------------------------------------------
 
     def geometry(self, *kinds: GeometryType) -> dict[str, list[Any]]:
         """Lengths and angles for the three legs, all different."""
-        return {field.name: [self.field(field.unit) for _ in range(LEGS)] for kind in kinds for field in kind.fields}
+        return {
+            field.name: [self.field(field.unit) for _ in range(LEGS)]
+            for kind in kinds
+            for field in kind.fields
+        }
 
     def field(self, unit: Unit) -> Any:
         """One geometry field: an angle, or a positive length."""

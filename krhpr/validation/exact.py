@@ -1,8 +1,8 @@
 """Identity: optimised kernels and printed texts equal the derivation, on numbers without rounding.
 
-Every length and angle of every leg is random, and so are the arguments.  Functions of rational operations, sines and
-cosines are compared without tolerance; those with roots or arctangents in ball arithmetic, at reachable configurations,
-in every working and assembly mode.
+Every length and angle of every leg is random, and so are the arguments.  Functions of rational
+operations, sines and cosines are compared without tolerance; those with roots or arctangents in ball
+arithmetic, at reachable configurations, in every working and assembly mode.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, Port
 from krhpr.validation.arithmetic import BALLS, RATIONAL
+from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.draw import Draw
 from krhpr.validation.numbers import BALL, EXACT, Ball, Exact, ball_precision
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.plan import Check, Kind, Target, has_roots, needs_balls
+from krhpr.validation.plan import has_roots, needs_balls
 from krhpr.validation.printed import RUNNERS, c_program
 from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
@@ -27,7 +28,7 @@ TURN = Fraction("6.283185307179586")
 """A full turn as the texts have it."""
 
 
-# -- kernels ----------------------------------------------------------------------------------------------------------
+# -- kernels ---------------------------------------------------------------------------------------
 
 
 def optimised(subject: Subject, check: Check, count: int) -> Measured:
@@ -44,7 +45,9 @@ def optimised(subject: Subject, check: Check, count: int) -> Measured:
                 geometry, inputs = _reachable(subject, check.seed + index, derived.inputs, source)
             else:
                 geometry = source.geometry(*([part.geometry] if part.geometry else []))
-                inputs = {port.name: source.port(port, subject.code.angular, full=False) for port in derived.inputs}
+                inputs = {
+                    port.name: source.port(port, subject.code.angular, full=False) for port in derived.inputs
+                }
             arithmetic = BALLS if roots else RATIONAL
             results = []
             for version, kind in ((derived, subject.geometry_types.get(part_name)), (kernel, part.geometry)):
@@ -62,7 +65,9 @@ def optimised(subject: Subject, check: Check, count: int) -> Measured:
 def _reachable(
     subject: Subject, seed: int, ports: tuple[Port, ...], source: Draw
 ) -> tuple[dict[str, list[Any]], dict[str, list[Any]]]:
-    """Balls for a kernel with roots: the first leg of a consistent configuration, anything for what it lacks."""
+    """Balls for a kernel with roots: the first leg of a consistent configuration, anything for what it
+    lacks.
+    """
     batch = draw(subject, seed, 1, spread=0.1)
     inputs: dict[str, list[Any]] = {}
     for port in ports:
@@ -77,7 +82,7 @@ def _reachable(
     return _balls(batch.geometry), inputs
 
 
-# -- printed texts ----------------------------------------------------------------------------------------------------
+# -- printed texts ---------------------------------------------------------------------------------
 
 
 def printed_text(subject: Subject, check: Check, count: int) -> Measured:
@@ -87,7 +92,11 @@ def printed_text(subject: Subject, check: Check, count: int) -> Measured:
     run = RUNNERS[check.target]
     found = Measured(check)
     with ball_precision():
-        cases = _cases_in_balls(subject, check, function, count) if balls else _rational_cases(subject, check, function, count)
+        cases = (
+            _cases_in_balls(subject, check, function, count)
+            if balls
+            else _rational_cases(subject, check, function, count)
+        )
         for inputs, geometry in cases:
             numbers = BALL if balls else EXACT
             wanted = derivation(subject, function, inputs, geometry, BALLS if balls else RATIONAL)
@@ -109,7 +118,9 @@ def _rational_cases(
 def _cases_in_balls(
     subject: Subject, check: Check, function: RobotFunction, count: int
 ) -> Iterator[tuple[Inputs, Fields]]:
-    """Reachable configurations, each in every working (or assembly) mode: leg i in the mode i places further."""
+    """Reachable configurations, each in every working (or assembly) mode: leg i in the mode i places
+    further.
+    """
     names = {port.name for port in function.inputs}
     modes = subject.code.mode_signs if "mode" in names else ((),)
     assemblies = subject.code.assembly_signs if "assembly" in names else ((),)
@@ -120,13 +131,17 @@ def _cases_in_balls(
             inputs = in_balls(batch, function, 0)
             for name, signs in (("mode", modes), ("assembly", assemblies)):
                 if name in names:
-                    inputs[name] = [Ball(s) for leg in range(LEGS) for s in signs[(choice + leg) % len(signs)]]
+                    inputs[name] = [
+                        Ball(s) for leg in range(LEGS) for s in signs[(choice + leg) % len(signs)]
+                    ]
             yield inputs, geometry
 
 
 def in_balls(batch: Batch, function: RobotFunction, index: int) -> dict[str, list[Any]]:
     """The arguments of one configuration, each double by its exact value."""
-    return {name: [Ball(value) for value in values] for name, values in batch.element(function, index).items()}
+    return {
+        name: [Ball(value) for value in values] for name, values in batch.element(function, index).items()
+    }
 
 
 def _balls(geometry: Fields) -> dict[str, list[Any]]:
@@ -143,7 +158,9 @@ def derivation(
 
 
 def nearest_mode(subject: Subject, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> list[Any]:
-    """`inverse_near` by its definition: the nearest of all modes, each angle with the full turns that bring it near."""
+    """`inverse_near` by its definition: the nearest of all modes, each angle with the full turns that
+    bring it near.
+    """
     every = subject.call("inverse_all", inputs, geometry, arithmetic)["theta"]
     n, modes = subject.subleg.n, len(subject.code.mode_signs)
     turn = arithmetic.constant(TURN)
@@ -158,7 +175,10 @@ def nearest_mode(subject: Subject, inputs: Inputs, geometry: Fields, arithmetic:
                 angle + turn * ((near - angle) / turn + Fraction(1, 2)).floor() if angular else angle
                 for angle, near, angular in zip(theta, wanted, subject.code.angular, strict=True)
             ]
-            distance = sum(((a - b) * (a - b) for a, b in zip(theta, wanted, strict=True)), arithmetic.constant(Fraction(0)))
+            distance = sum(
+                ((a - b) * (a - b) for a, b in zip(theta, wanted, strict=True)),
+                arithmetic.constant(Fraction(0)),
+            )
             candidates.append((distance, theta))
         best = candidates[0]
         for candidate in candidates[1:]:
@@ -168,7 +188,7 @@ def nearest_mode(subject: Subject, inputs: Inputs, geometry: Fields, arithmetic:
     return result
 
 
-# -- default sizes ----------------------------------------------------------------------------------------------------
+# -- default sizes ---------------------------------------------------------------------------------
 
 
 def default_sizes(subject: Subject, check: Check, count: int) -> Measured:
@@ -184,16 +204,19 @@ def _default_sizes(subject: Subject, target: Target) -> list[Any]:
         return [Exact(repr(value)) for value in subject.module.DEFAULT_GEOMETRY.flat().tolist()]
     if target is Target.CASADI:
         return [Exact(repr(value)) for value in subject.casadi.DEFAULT_GEOMETRY]
-    # the interpreter reads each literal as the decimal number that it shows; sines of it are computed in balls
+    # the interpreter reads each literal as the decimal number that it shows; sines are computed in balls
     with ball_precision():
         program = c_program(subject, BALL)
         structure = program.new_struct(f"krhpr_{subject.identifier}_geometry")
         program.call(f"krhpr_{subject.identifier}_default_geometry", structure)
-        values = []
-        for leg in range(LEGS):
-            for part, kind in subject.geometry_types.items():
-                values += [_decimal(getattr(getattr(structure, part)[leg], field.name)) for field in kind.fields]
-        return values
+        parts = subject.geometry_types
+        legs = [{part: getattr(structure, part)[leg] for part in parts} for leg in range(LEGS)]
+        return [
+            _decimal(getattr(leg[part], field.name))
+            for leg in legs
+            for part, kind in subject.geometry_types.items()
+            for field in kind.fields
+        ]
 
 
 def _decimal(value: Ball) -> Exact:

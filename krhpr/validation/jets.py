@@ -1,7 +1,9 @@
-"""Truncated Taylor series in time over exact numbers: what a formula does along a motion, to second order, exactly.
+"""Truncated Taylor series in time over exact numbers: what a formula does along a motion, to second
+order, exactly.
 
-A `Jet` is x(t) = x_0 + x_1 t + x_2 t^2 with coefficients of `Exact`, `Ball` or, for x_0, `Angle`.  Formulas evaluated on
-jets give value, rate and half the acceleration at once, without anybody having derived them.
+A `Jet` is x(t) = x_0 + x_1 t + x_2 t^2 with coefficients of `Exact`, `Ball` or, for x_0,
+`Angle`.  Formulas evaluated on jets give value, rate and half the acceleration at once, without anybody
+having derived them.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from krhpr.validation.numbers import Angle, Ball, Exact
+from krhpr.validation.numbers import Ball, Exact
 
 HALF = Exact("1/2")
 
@@ -29,14 +31,17 @@ class Jet:
 
     @property
     def value(self) -> Any:
+        """x(0)."""
         return self.c[0]
 
     @property
     def rate(self) -> Any:
+        """The first derivative at 0."""
         return self.c[1]
 
     @property
     def acceleration(self) -> Any:
+        """The second derivative at 0."""
         return 2 * self.c[2]
 
     def __repr__(self) -> str:
@@ -49,10 +54,10 @@ class Jet:
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Jet:
-        return self + (-_jet(other))
+        return self.__add__(-_jet(other))
 
     def __rsub__(self, other: Any) -> Jet:
-        return -self + other
+        return (-self).__add__(other)
 
     def __neg__(self) -> Jet:
         return Jet(-self.c[0], -self.c[1], -self.c[2])
@@ -133,15 +138,12 @@ def turning(q: Sequence[Any], omega: Sequence[Any], alpha: Sequence[Any]) -> lis
     return straight(q, first, second)
 
 
-def turning_plane(angle: Angle | Ball, rate: Any, acceleration: Any) -> Jet:
-    """An angle in the plane."""
-    return Jet.motion(angle, rate, acceleration)
-
-
 def _skew(v: Sequence[Any]) -> list[Any]:
     x, y, z = v
     return [0, -z, y, z, 0, -x, -y, x, 0]
 
 
 def _product(a: Sequence[Any], b: Sequence[Any], n: int) -> list[Any]:
-    return [sum((a[n * i + k] * b[n * k + j] for k in range(n)), Exact(0)) for i in range(n) for j in range(n)]
+    return [
+        sum((a[n * i + k] * b[n * k + j] for k in range(n)), Exact(0)) for i in range(n) for j in range(n)
+    ]

@@ -101,7 +101,11 @@ def _pivot(rows: Matrix, k: int) -> int | None:
     best, size = None, 0.0
     for i in range(k, len(rows)):
         entry = rows[i][k]
-        here = abs(float(entry.enclosure.mid())) if isinstance(entry, Ball) else abs(float(Exact(entry).fraction))
+        here = (
+            abs(float(entry.enclosure.mid()))
+            if isinstance(entry, Ball)
+            else abs(float(Exact(entry).fraction))
+        )
         if here > size:
             best, size = i, here
     return best

@@ -1,7 +1,7 @@
 """The generated functions in doubles: compiled C, NumPy and CasADi behind one interface.
 
-`call(name, values)` takes a function's arguments as arrays with the batch first and gives its results by port the same
-way, with the status under "status" where the target has one.
+`call(name, values)` takes a function's arguments as arrays with the batch first and gives its results by
+port the same way, with the status under "status" where the target has one.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS
 from krhpr.native import compile_library, load_library
-from krhpr.validation.plan import Target
+from krhpr.validation.check import Target
 from krhpr.validation.printed import casadi_function, unpack
 from krhpr.validation.subject import Subject
 
@@ -95,7 +95,8 @@ class CompiledC:
         """A function's batch form; a mode or assembly mode that is missing is the default."""
         function = self.subject.code.function(name)
         arrays = [
-            np.asarray(values[port.name], dtype=float) if port.name in values else None for port in function.inputs
+            np.asarray(values[port.name], dtype=float) if port.name in values else None
+            for port in function.inputs
         ]
         shapes = [
             array.shape[: array.ndim - len(port.full_shape)]
@@ -105,7 +106,9 @@ class CompiledC:
         batch = np.broadcast_shapes(*shapes)
         count = prod(batch)
         inputs = [
-            None if array is None else np.ascontiguousarray(np.broadcast_to(array, (*batch, *port.full_shape)))
+            None
+            if array is None
+            else np.ascontiguousarray(np.broadcast_to(array, (*batch, *port.full_shape)))
             for port, array in zip(function.inputs, arrays, strict=True)
         ]
         results = {port.name: np.empty((*batch, *port.full_shape)) for port in function.outputs}
@@ -146,7 +149,9 @@ class Casadi:
         sizes = self.subject.entry.sizes if geometry is None else geometry
         fields = [float(sizes[field][leg]) for leg in range(LEGS) for field in self.subject.fields]
         arrays = [np.asarray(values[port.name], dtype=float) for port in function.inputs]
-        rows = [self._one(function, built, [array[k] for array in arrays], fields) for k in range(len(arrays[0]))]
+        rows = [
+            self._one(function, built, [array[k] for array in arrays], fields) for k in range(len(arrays[0]))
+        ]
         return {
             port.name: np.array([row[port.name] for row in rows]).reshape((len(rows), *port.full_shape))
             for port in function.outputs
@@ -159,5 +164,6 @@ class Casadi:
         given = [casadi.DM(np.atleast_1d(argument)) for argument in arguments]
         found = dict(zip(built.name_out(), built.call([*given, casadi.DM(fields)]), strict=True))
         return {
-            port.name: unpack(port, lambda key: np.array(found[key].full()).ravel().tolist()) for port in function.outputs
+            port.name: unpack(port, lambda key: np.array(found[key].full()).ravel().tolist())
+            for port in function.outputs
         }

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
-from krhpr.validation.numbers import Angle, Ball, ExactError, same
-from krhpr.validation.plan import EXACT, Check
+from krhpr.validation.check import BALL, Check
+from krhpr.validation.numbers import Ball, Exact, ExactError, same
 from krhpr.validation.subject import Subject
 
 
@@ -31,20 +31,22 @@ class Measured:
     worst: float = 0.0
     samples: int = 0
     where: str = ""
-    notes: list[str] = field(default_factory=list)
 
     def worse(self, error: Any, where: Callable[[], str] | str = "") -> None:
         """Take an error (or the largest of an array; not-a-number counts as infinite) into account."""
         array = np.asarray(error, dtype=float)
         value = float(np.nan_to_num(array, nan=math.inf, posinf=math.inf).max()) if array.size else 0.0
         if value > self.worst:
-            self.worst, self.where = value, where if isinstance(where, str) else where()
+            self.worst = value
+            if value > self.check.tolerance:  # saying where may cost something
+                self.where = where if isinstance(where, str) else where()
 
-    def equal(self, found: Any, wanted: Any, where: Callable[[], str] | str = "") -> None:
-        """Compare exact numbers: rationals and angles without tolerance, balls within the check's tolerance."""
+    def equal(self, found: Any, wanted: Any, where: str = "") -> None:
+        """Compare exact numbers: rationals and angles without tolerance, balls within the check's."""
         for index, (a, b) in enumerate(zip(flat(found), flat(wanted), strict=True)):
-            place = f"{where if isinstance(where, str) else where()}[{index}]"
-            self.worse(_distance(a, b, self.check.tolerance), lambda place=place, a=a, b=b: f"{place}: {a!r} is not {b!r}")
+            error = _distance(a, b, self.check.tolerance)
+            if error > 0.0:
+                self.worse(error, f"{where}[{index}]: {_short(a)} is not {_short(b)}")
 
     @property
     def ok(self) -> bool:
@@ -65,25 +67,30 @@ def flat(value: Any) -> list[Any]:
     return [value]
 
 
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 def _distance(a: Any, b: Any, tolerance: float) -> float:
-    """Zero for equal exact numbers; for balls the distance of their centres, infinite if it is not certainly small."""
+    """Zero for equal exact numbers; for balls the distance of their centres, if it is certainly small enough.
+
+    Where a check that is exact by itself meets balls (the joints of a sub-leg that no exact configuration is
+    known for), enclosures that agree to 1e-60 count as equal.
+    """
     try:
         if isinstance(a, Ball) or isinstance(b, Ball):
             centre = abs(float((_ball(a) - _ball(b)).enclosure.mid()))
-            return centre if same(a, b, max(tolerance, 1e-60)) else max(centre, 2 * max(tolerance, 1e-60))
+            if same(a, b, max(tolerance, BALL)):
+                return centre if tolerance else 0.0
+            return max(centre, 2 * BALL)
         if same(a, b):
             return 0.0
-        if isinstance(a, Angle) or isinstance(b, Angle):
-            return math.inf
-        return max(abs(float((a - b).fraction)) if hasattr(a - b, "fraction") else abs(float(a - b)), 1e-300)
+        gap = a - b
+        return max(abs(float(gap.fraction)), 1e-300) if isinstance(gap, Exact) else math.inf
     except ExactError:
         return math.inf
 
 
 def _ball(value: Any) -> Ball:
     return value if isinstance(value, Ball) else Ball(value)
-
-
-def is_exact(check: Check) -> bool:
-    """Whether a check allows no error at all."""
-    return check.tolerance == EXACT

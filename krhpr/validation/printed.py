@@ -1,7 +1,8 @@
-"""The printed texts, run on exact numbers: C by the interpreter, NumPy on objects, CasADi instruction by instruction.
+"""The printed texts, run on exact numbers: C by the interpreter, NumPy on objects, CasADi instruction by
+instruction.
 
-Each function here takes a robot's function, its arguments by port (flat, row by row) and a geometry by field, and gives
-the results by port, flat and row by row, as the derivation's own evaluation does.
+Each function here takes a robot's function, its arguments by port (flat, row by row) and a geometry by
+field, and gives the results by port, flat and row by row, as the derivation's own evaluation does.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, Layout, Port
 from krhpr.validation import casadi_exact
 from krhpr.validation.c_interpreter import Array, CProgram
+from krhpr.validation.check import Target
 from krhpr.validation.numbers import Arithmetic
 from krhpr.validation.numpy_exact import exact_numpy
-from krhpr.validation.plan import Target
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 
 
@@ -35,10 +36,12 @@ class WrongStatus(AssertionError):
     """A function said that it has no answer where there is one."""
 
 
-# -- C ----------------------------------------------------------------------------------------------------------------
+# -- C ---------------------------------------------------------------------------------------------
 
 ELEMENTARY = {"KRHPR_LIBM": ""}
-"""The interpreter's sines and arctangents are exact; the project's own are approximations, tested by themselves."""
+"""The interpreter's sines and arctangents are exact; the project's own are approximations, tested by
+themselves.
+"""
 
 
 _programs: dict[tuple[Path, str, str], CProgram] = {}
@@ -72,7 +75,9 @@ def run_c(
     arguments = [inputs[port.name] if port.full_shape else inputs[port.name][0] for port in function.inputs]
     results = {port.name: Array.unset(prod(port.full_shape), port.name) for port in function.outputs}
     structure = c_geometry(subject, geometry, program)
-    status = program.call(f"krhpr_{subject.identifier}_{function.name}", structure, *arguments, *results.values())
+    status = program.call(
+        f"krhpr_{subject.identifier}_{function.name}", structure, *arguments, *results.values()
+    )
     _expect_ok(status, function)
     return {name: list(values) for name, values in results.items()}
 
@@ -82,7 +87,7 @@ def _expect_ok(status: int, function: RobotFunction) -> None:
         raise WrongStatus(f"{function.name} returns the status {status}")
 
 
-# -- NumPy ------------------------------------------------------------------------------------------------------------
+# -- NumPy -----------------------------------------------------------------------------------------
 
 _copies = count()
 _kept: list[ExitStack] = []
@@ -114,7 +119,9 @@ def run_numpy(
 ) -> Outputs:
     """A function of the NumPy text."""
     module = numpy_module(subject, arithmetic)
-    arguments = {port.name: _object_array(inputs[port.name], port.full_shape, arithmetic) for port in function.inputs}
+    arguments = {
+        port.name: _object_array(inputs[port.name], port.full_shape, arithmetic) for port in function.inputs
+    }
     fields = {name: _object_array(geometry[name], (LEGS,), arithmetic) for name in subject.fields}
     default = module.DEFAULT_GEOMETRY
     place = module.Geometry(fields, default.order, default.positive)
@@ -131,7 +138,7 @@ def _object_array(values: Any, shape: tuple[int, ...], arithmetic: Arithmetic) -
     return array.reshape(shape)
 
 
-# -- CasADi -----------------------------------------------------------------------------------------------------------
+# -- CasADi ----------------------------------------------------------------------------------------
 
 _functions: dict[tuple[Path, str, str], casadi.Function] = {}
 
@@ -156,7 +163,10 @@ def run_casadi(
     constants = _constants(subject, function)
     matrices = casadi_exact.evaluate(built, arguments, arithmetic, lambda value: constants.get(value, value))
     found = dict(zip(built.name_out(), matrices, strict=True))
-    return {port.name: unpack(port, lambda name: [x for row in found[name] for x in row]) for port in function.outputs}
+    return {
+        port.name: unpack(port, lambda name: [x for row in found[name] for x in row])
+        for port in function.outputs
+    }
 
 
 def _rows(values: Any, port: Port) -> list[list[Any]]:
@@ -166,7 +176,9 @@ def _rows(values: Any, port: Port) -> list[list[Any]]:
 
 
 def unpack(port: Port, matrix: Callable[[str], Any]) -> list[Any]:
-    """A port's values, row by row, from CasADi's results (one for each leg where the legs' parts are matrices)."""
+    """A port's values, row by row, from CasADi's results (one for each leg where the legs' parts are
+    matrices).
+    """
     if port.layout is Layout.STACKED and len(port.full_shape) > 2:
         return [value for leg in range(LEGS) for value in matrix(f"{port.name}{leg + 1}")]
     return list(matrix(port.name))
@@ -176,7 +188,9 @@ def _constants(subject: Subject, function: RobotFunction) -> dict[float, Fractio
     """The fractions of the derivation that CasADi knows as the nearest double."""
     kernels = [subject.code.parts[call.part].kernel(call.kernel) for call in function.calls]
     kernels += [part.geometry.prepare for part in subject.code.parts.values() if part.geometry is not None]
-    values = [node.value for kernel in kernels for _, node in kernel.graph if isinstance(node.value, Fraction)]
+    values = [
+        node.value for kernel in kernels for _, node in kernel.graph if isinstance(node.value, Fraction)
+    ]
     return {float(value): value for value in values}
 
 

@@ -1,4 +1,5 @@
-"""Random configurations of a robot in doubles: consistent, reachable in every working mode, and well conditioned.
+"""Random configurations of a robot in doubles: consistent, reachable in every working mode, and well
+conditioned.
 
 They are drawn with the derivation itself, evaluated on arrays, not with any generated function.
 """
@@ -66,7 +67,9 @@ def rotations(vector: Floats) -> Floats:
     return result
 
 
-def evaluate(subject: Subject, name: str, values: Mapping[str, Floats], geometry: Mapping[str, Any]) -> Values:
+def evaluate(
+    subject: Subject, name: str, values: Mapping[str, Floats], geometry: Mapping[str, Any]
+) -> Values:
     """A robot's function by the derivation, on a batch."""
     function = subject.code.function(name)
     count = len(values["p"])
@@ -82,8 +85,12 @@ def stack(parts: list[Any], count: int) -> Floats:
     return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in parts], axis=-1)
 
 
-def draw_geometry(subject: Subject, rng: np.random.Generator, spread: float) -> dict[str, tuple[float, float, float]]:
-    """The default sizes, each leg's changed by up to `spread` (relative for lengths, in radians for angles)."""
+def draw_geometry(
+    subject: Subject, rng: np.random.Generator, spread: float
+) -> dict[str, tuple[float, float, float]]:
+    """The default sizes, each leg's changed by up to `spread` (relative for lengths, in radians for
+    angles).
+    """
     units = {field.name: field.unit for kind in subject.geometry_types.values() for field in kind.fields}
     found = {}
     for name in subject.fields:
@@ -108,7 +115,9 @@ def draw(subject: Subject, seed: int, count: int, *, spread: float = 0.05) -> Ba
         if have >= count:
             break
     else:
-        raise RuntimeError(f"{subject.identifier}: only {have} of {count} configurations are reachable in every working mode")
+        raise RuntimeError(
+            f"{subject.identifier}: only {have} of {count} configurations are reachable in every working mode"
+        )
     whole = {name: np.concatenate([values[name] for values in found])[:count] for name in found[0]}
     return Batch(subject, geometry, whole)
 
@@ -146,7 +155,9 @@ def redundant_box(subject: Subject, rng: np.random.Generator, count: int, wide: 
     return rng.uniform(0.001 if wide else 0.08, 0.15, (count, LEGS))
 
 
-def _complete(subject: Subject, rng: np.random.Generator, values: Values, geometry: Mapping[str, Any]) -> Values:
+def _complete(
+    subject: Subject, rng: np.random.Generator, values: Values, geometry: Mapping[str, Any]
+) -> Values:
     """What follows from pose and redundant coordinates, for those configurations that are fit for checks."""
     values = {**values, **evaluate(subject, "end_points", values, geometry)}
     every = evaluate(subject, "subleg_inverse", values, geometry)["theta"]
@@ -162,7 +173,9 @@ def _complete(subject: Subject, rng: np.random.Generator, values: Values, geomet
     if assemblies.size:
         values["assembly"] = _assemblies(subject, values, geometry, assemblies)
     turns = rng.integers(-2, 3, values["theta"].shape) * np.array(subject.code.angular)
-    values["theta_near"] = values["theta"] + rng.uniform(-0.05, 0.05, values["theta"].shape) + 2 * np.pi * turns
+    values["theta_near"] = (
+        values["theta"] + rng.uniform(-0.05, 0.05, values["theta"].shape) + 2 * np.pi * turns
+    )
     return {name: array[good] for name, array in values.items()}
 
 
@@ -198,7 +211,8 @@ def _assemblies(subject: Subject, values: Values, geometry: Mapping[str, Any], a
         s = evaluate(subject, "subleg_forward", {**values, "assembly": assembly}, geometry)["s"]
         errors.append(np.abs(s - values["s"]).max(axis=-1))
     best = np.nanargmin(np.where(np.isnan(errors), np.inf, errors), axis=0)
-    return assemblies[best]
+    chosen: Floats = assemblies[best]
+    return chosen
 
 
 def size_of(port: Port) -> int:

@@ -1,8 +1,8 @@
 """Errors of doubles, relative to the scale of what is compared.
 
-Agreement in units in the last place means nothing where outputs cancel, so that a difference is divided by the largest
-value of the array in the same configuration; the factors of det J, which are of different kinds, by their own.  Angles
-differ by the smaller arc, on the scale of a radian at least.
+Agreement in units in the last place means nothing where outputs cancel, so that a difference is divided
+by the largest value of the array in the same configuration; the factors of det J, which are of different
+kinds, by their own.  Angles differ by the smaller arc, on the scale of a radian at least.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ def scale(port: Port, values: Any) -> Floats:
 
 
 def relative(port: Port, found: Any, wanted: Any, reference: Any = None, *, arcs: bool = True) -> Floats:
-    """Differences over the scale of `wanted` (or of `reference`); not-a-number on both sides is no difference."""
+    """Differences over the scale of `wanted` (or of `reference`); not-a-number on both sides is no
+    difference.
+    """
     gap = difference(port, found, wanted, arcs=arcs)
     size = scale(port, wanted if reference is None else reference)
     with np.errstate(divide="ignore", invalid="ignore"):

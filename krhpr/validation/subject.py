@@ -1,7 +1,7 @@
 """What is validated: a robot's derivation, its optimised kernels, and the texts printed from them.
 
-A subject is made from the catalogue and `generated/`, or, to see whether a check would notice a mistake, from a changed
-derivation or changed texts in a folder of their own.
+A subject is made from the catalogue and `generated/`, or, to see whether a check would notice a mistake,
+from a changed derivation or changed texts in a folder of their own.
 """
 
 from __future__ import annotations
@@ -47,32 +47,36 @@ class Subject:
 
     @property
     def identifier(self) -> str:
+        """The robot's identifier."""
         return self.entry.identifier
 
     @property
     def subleg(self) -> SubLeg:
+        """The derivation's sub-leg."""
         return self.entry.robot.subleg
 
     @property
     def platform(self) -> Platform:
+        """The derivation's platform arrangement."""
         return self.entry.robot.platform
 
     @property
     def planar(self) -> bool:
+        """Whether the robot moves in the plane."""
         return self.platform.space.value == "planar"
 
-    # -- the derivation -----------------------------------------------------------------------------------------
+    # -- the derivation ----------------------------------------------------------------------------
 
     def derived(self, part: str, name: str) -> Kernel:
         """A kernel as the derivation states it, before any pass."""
         if part not in self._derived:
-            kernels = {
-                "subleg": lambda: (*self.subleg.kernels(), self.subleg.closure_kernel()),
-                "platform": self.platform.kernels,
-                "algebra": lambda: algebra.kernels(self.platform.space),
-            }[part]()
-            self._derived[part] = {kernel.name: kernel for kernel in kernels}
+            self._derived[part] = {kernel.name: kernel for kernel in self._kernels(part)}
         return self._derived[part][name]
+
+    def _kernels(self, part: str) -> tuple[Kernel, ...]:
+        if part == "subleg":
+            return (*self.subleg.kernels(), self.subleg.closure_kernel())
+        return self.platform.kernels() if part == "platform" else algebra.kernels(self.platform.space)
 
     @cached_property
     def geometry_types(self) -> dict[str, GeometryType]:
@@ -88,14 +92,22 @@ class Subject:
         """The prepared geometry of each part and leg."""
         return {
             part: [
-                prepare_geometry(kind, {field.name: geometry[field.name][leg] for field in kind.fields}, arithmetic)
+                prepare_geometry(
+                    kind, {field.name: geometry[field.name][leg] for field in kind.fields}, arithmetic
+                )
                 for leg in range(LEGS)
             ]
             for part, kind in self.geometry_types.items()
         }
 
     def kernel(
-        self, part: str, kernel: Kernel | str, inputs: Inputs, geometry: Fields, leg: int, arithmetic: Arithmetic
+        self,
+        part: str,
+        kernel: Kernel | str,
+        inputs: Inputs,
+        geometry: Fields,
+        leg: int,
+        arithmetic: Arithmetic,
     ) -> Outputs:
         """A kernel of a part (as derived, where it is named) evaluated for one leg."""
         kind = self.geometry_types.get(part)
@@ -106,15 +118,19 @@ class Subject:
         found = self.derived(part, kernel) if isinstance(kernel, str) else kernel
         return evaluate_kernel(found, inputs, prepared, arithmetic)
 
-    def function(self, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
+    def function(
+        self, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+    ) -> Outputs:
         """A robot's function by the derivation, guards not applied."""
-        return evaluate_function(function, self.derived, self.prepare(geometry, arithmetic), inputs, arithmetic)
+        return evaluate_function(
+            function, self.derived, self.prepare(geometry, arithmetic), inputs, arithmetic
+        )
 
     def call(self, name: str, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
         """`function`, by its name."""
         return self.function(self.code.function(name), inputs, geometry, arithmetic)
 
-    # -- the printed texts --------------------------------------------------------------------------------------
+    # -- the printed texts -------------------------------------------------------------------------
 
     @property
     def module(self) -> ModuleType:
@@ -169,7 +185,9 @@ def _package(folder: Path) -> str:
     if folder == GENERATED:
         return "krhpr.generated"
     name = f"krhpr_printed_{next(_packages)}"
-    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    spec = importlib.util.spec_from_file_location(
+        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
     assert spec is not None and spec.loader is not None
     package = importlib.util.module_from_spec(spec)
     sys.modules[name] = package

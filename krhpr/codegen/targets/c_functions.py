@@ -315,9 +315,7 @@ def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
     fills: list[tuple[str, int]] = []
     if not function.stage(Stage.PLATFORM):
-        for port in function.outputs:
-            if not port.per_leg or port.name == guard.variable:
-                continue
+        for port in guard.spoilt(port for port in function.outputs if port.per_leg):
             if port.layout is Layout.DIAGONAL:
                 rows, columns = port.shape
                 width = port.full_shape[1]
@@ -336,7 +334,7 @@ def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
 def _platform_guard(guard: Guard, function: RobotFunction) -> GuardView:
     """A guard of the whole platform: where it fails, every output is NaN."""
     operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
-    fills = tuple((port.name, port.full_size) for port in function.outputs)
+    fills = tuple((port.name, port.full_size) for port in guard.spoilt(function.outputs))
     return GuardView(
         f"{guard.variable}[{guard.index}] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name}", fills
     )

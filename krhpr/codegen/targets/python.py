@@ -128,7 +128,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         ],
         "output_docs": [python_port(port) for port in function.outputs],
         "calls": [_call(robot, call, known, read) for call in function.calls],
-        "guards": [_guard(guard, known) for guard in function.guards],
+        "guards": [_guard(guard, known, function) for guard in function.guards],
     }
 
 
@@ -161,9 +161,9 @@ def _argument(variable: Variable, stage: Stage) -> str:
     return variable.name
 
 
-def _guard(guard: Guard, known: Mapping[str, Variable]) -> str:
+def _guard(guard: Guard, known: Mapping[str, Variable], function: RobotFunction) -> str:
     at_least = guard.relation is Relation.AT_LEAST
     per_leg = known[guard.variable].per_leg
-    return (
-        f"{guard.variable}[{guard.index}], {at_least}, {guard.limit!r}, Status.{guard.status.name}, {per_leg}"
-    )
+    value, status = f"{guard.variable}[{guard.index}]", f"Status.{guard.status.name}"
+    spoilt = "(" + "".join(f'"{port.name}", ' for port in guard.spoilt(function.outputs)) + ")"
+    return f"{value}, {at_least}, {guard.limit!r}, {status}, {per_leg}, {spoilt}"

@@ -1,7 +1,8 @@
-"""The derivation is derived, not copied: closed forms against constraint equations, differentiated independently.
+"""The derivation is derived, not copied: closed forms against constraint equations, differentiated
+independently.
 
-Proofs are made at random points with exact coordinates.  An identity of rational functions that holds at one random
-rational point holds everywhere, but for a chance that the next points make vanish.
+Proofs are made at random points with exact coordinates.  An identity of rational functions that holds at
+one random rational point holds everywhere, but for a chance that the next points make vanish.
 """
 
 from krhpr.validation.outcome import Runner

@@ -1,7 +1,7 @@
 """Sub-legs a second time: loop closures from rotations of vectors, differentiated by SymPy.
 
-Nothing here is shared with `derivations/`: axes are turned by Rodrigues' formula, links are vectors in the base frame, and
-the Jacobian is what the implicit function theorem makes of the closure.
+Nothing here is shared with `derivations/`: axes are turned by Rodrigues' formula, links are vectors in
+the base frame, and the Jacobian is what the implicit function theorem makes of the closure.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ def _symbols(names: str, count: int, dimension: int) -> tuple[dict[str, sp.Symbo
 
 
 def _linkage(g: Mapping[str, sp.Symbol], theta_1: Any) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
-    """End of the first link, direction x and axis e_2 of the linkage plane after the first joint has turned."""
+    """End of the first link, direction x and axis e_2 of the linkage plane after the first joint has
+    turned.
+    """
     e_r = sp.Matrix([sp.cos(g["azimuth"]), sp.sin(g["azimuth"]), 0])
     e_z = sp.Matrix([0, 0, 1])
     e_t = e_z.cross(e_r)
@@ -63,14 +65,18 @@ def _r_fivebar() -> Closure:
     # the rod's pivot lies on the line from S through the tip of the first crank, l_5 from S
     pivot = s + (tip_1 - s) * (g["l_5"] / g["l_6"])
     distal, rod = s - tip_1, pivot - tip_2
-    return Closure(g, s, t, sp.Matrix([e_2.dot(s - c), distal.dot(distal) - g["l_6"] ** 2, rod.dot(rod) - g["l_3"] ** 2]))
+    return Closure(
+        g, s, t, sp.Matrix([e_2.dot(s - c), distal.dot(distal) - g["l_6"] ** 2, rod.dot(rod) - g["l_3"] ** 2])
+    )
 
 
 def _planar_rr() -> Closure:
     g, s, t = _symbols("azimuth R_b l_1 l_2", 2, 2)
     base = g["R_b"] * sp.Matrix([sp.cos(g["azimuth"]), sp.sin(g["azimuth"])])
     first, second = t[0], t[0] + t[1]
-    links = [length * sp.Matrix([sp.cos(a), sp.sin(a)]) for length, a in ((g["l_1"], first), (g["l_2"], second))]
+    links = [
+        length * sp.Matrix([sp.cos(a), sp.sin(a)]) for length, a in ((g["l_1"], first), (g["l_2"], second))
+    ]
     return Closure(g, s, t, s - base - links[0] - links[1])
 
 

@@ -1,4 +1,6 @@
-"""Proofs about platform arrangements: rows, velocities and accelerations follow from the constraint equations."""
+"""Proofs about platform arrangements: rows, velocities and accelerations follow from the constraint
+equations.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +13,7 @@ from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform
 from krhpr.validation.arithmetic import RATIONAL
+from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
 from krhpr.validation.draw import Draw
 from krhpr.validation.jets import HALF, Jet, accelerations, coefficients, straight, turning
@@ -29,7 +32,6 @@ from krhpr.validation.linear import (
 )
 from krhpr.validation.numbers import Exact
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.plan import Check
 from krhpr.validation.proofs import thesis
 from krhpr.validation.proofs.sublegs import fields, proof, tangent_kernel, unit
 from krhpr.validation.proofs.surd import ROOT, THIRDS, Surd, rational_angle, surd
@@ -81,7 +83,9 @@ def closure(subject: Subject, here: Configuration, leg: int, found: Measured) ->
     """The end point closes the constraints and gives the redundant coordinate back."""
     residual = here.kernel("platform", "residual", leg)["residual"]
     found.equal(residual, [Exact(0)] * len(residual), "residual")
-    found.equal(here.kernel("platform", "redundant", leg)["redundant"], here.leg("redundant", leg), "redundant")
+    found.equal(
+        here.kernel("platform", "redundant", leg)["redundant"], here.leg("redundant", leg), "redundant"
+    )
 
 
 def rows_are_derivatives(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -96,7 +100,9 @@ def rows_are_derivatives(subject: Subject, here: Configuration, leg: int, found:
         found.equal(got, [row[index] for row in J], f"J, column {index}")
     nothing = [Exact(0)] * space.dimension**2
     for index in range(space.dimension):
-        got = here.kernel("platform", rate, leg, d_p=still, d_Q=nothing, d_s=unit(space.dimension, index))["rate"]
+        got = here.kernel("platform", rate, leg, d_p=still, d_Q=nothing, d_s=unit(space.dimension, index))[
+            "rate"
+        ]
         found.equal(got, [-row[index] for row in N], f"N, column {index}")
 
 
@@ -166,17 +172,30 @@ def solving(subject: Subject, check: Check, count: int) -> Measured:
     source = Draw(check.seed)
     for _ in range(count):
         here = configuration(subject, source)
-        rates = [here.arithmetic.constant(source.nonzero().fraction) for _ in range(LEGS * subject.platform.space.rows_per_leg)]
-        for s in ([here.leg("s", leg) for leg in range(LEGS)], [source.vector(len(here.leg("s", 0))) for _ in range(LEGS)]):
+        rates = [
+            here.arithmetic.constant(source.nonzero().fraction)
+            for _ in range(LEGS * subject.platform.space.rows_per_leg)
+        ]
+        for s in (
+            [here.leg("s", leg) for leg in range(LEGS)],
+            [source.vector(len(here.leg("s", 0))) for _ in range(LEGS)],
+        ):
             J, gathered = whole(here, s=s)
-            inputs = {"Q": here.values["Q"], "line": gathered["line"], "point": gathered["point"], "rate": rates}
-            twist = evaluate_kernel(subject.derived("platform", "solve"), inputs, None, here.arithmetic)["twist"]
+            inputs = {
+                "Q": here.values["Q"],
+                "line": gathered["line"],
+                "point": gathered["point"],
+                "rate": rates,
+            }
+            twist = evaluate_kernel(subject.derived("platform", "solve"), inputs, None, here.arithmetic)[
+                "twist"
+            ]
             found.equal(apply(J, twist), rates, "J t")
             found.samples += 1
     return found
 
 
-# -- determinants -----------------------------------------------------------------------------------------------------
+# -- determinants ----------------------------------------------------------------------------------
 
 
 def closed_form_kernel(platform: Platform) -> Kernel:
@@ -184,7 +203,9 @@ def closed_form_kernel(platform: Platform) -> Kernel:
     k = KernelWriter("closed_form", "Factors of det J.")
     redundant = [k.input(f"redundant_{leg}", ()) for leg in range(LEGS)]
     legs = [
-        SimpleNamespace(**{field.name: k.input(f"{field.name}_{leg}", ()) for field in platform.geometry().fields})
+        SimpleNamespace(
+            **{field.name: k.input(f"{field.name}_{leg}", ()) for field in platform.geometry().fields}
+        )
         for leg in range(LEGS)
     ]
     for index, value in enumerate(platform.closed_form(k, redundant, legs)):
@@ -213,7 +234,9 @@ def determinants(subject: Subject, check: Check, count: int) -> Measured:
     for _ in range(count):
         here = configuration(subject, source)
         J, gathered = whole(here)
-        factors = evaluate_kernel(subject.derived("platform", "type_2"), gathered, None, here.arithmetic)["type_2"]
+        factors = evaluate_kernel(subject.derived("platform", "type_2"), gathered, None, here.arithmetic)[
+            "type_2"
+        ]
         product = factors[0] if len(factors) == 1 else factors[0] * factors[1]
         found.equal([product], [determinant(J)], "det J")
         wanted = closed_form(subject.platform, here.values["redundant"], plate_fields(subject, here.geometry))
@@ -233,12 +256,16 @@ def equilateral(subject: Subject, check: Check, count: int) -> Measured:
             value = surd(source.length())
             geometry[field.name] = list(THIRDS) if field.name == "platform_azimuth" else [value] * LEGS
         angular = subject.platform.redundant_joint.kind == "revolute"
-        redundant = [rational_angle(source.angle()) if angular else surd(source.length()) for _ in range(LEGS)]
+        redundant = [
+            rational_angle(source.angle()) if angular else surd(source.length()) for _ in range(LEGS)
+        ]
         d = subject.platform.space.dimension
         gathered: dict[str, list[Any]] = {"line": [], "point": [], "scale": []}
         pose = {"p": [surd(x) for x in source.vector(d)], "Q": [surd(x) for x in source.rotation(d)]}
         for leg in range(LEGS):
-            s = subject.kernel("platform", "end_point", {**pose, "redundant": [redundant[leg]]}, geometry, leg, RATIONAL)["s"]
+            s = subject.kernel(
+                "platform", "end_point", {**pose, "redundant": [redundant[leg]]}, geometry, leg, RATIONAL
+            )["s"]
             result = subject.kernel("platform", "line", {**pose, "s": s}, geometry, leg, RATIONAL)
             for name, values in gathered.items():
                 values += result[name]
@@ -259,7 +286,11 @@ def _f(beta: list[Any]) -> Any:
 def _g(beta: list[Any], r: Any, length: Any) -> Any:
     cosines = beta[0].cos() + beta[1].cos() + beta[2].cos()
     sines = [(THIRDS[1] + beta[i] - beta[(i + 1) % 3]).sin() for i in range(3)]
-    return HALF * 3 * ROOT * r * r - ROOT * r * length * cosines + length * length * (sines[0] + sines[1] + sines[2])
+    return (
+        HALF * 3 * ROOT * r * r
+        - ROOT * r * length * cosines
+        + length * length * (sines[0] + sines[1] + sines[2])
+    )
 
 
 def _spatial_a(beta: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[Any]]:
@@ -286,7 +317,7 @@ EQUILATERAL: dict[str, Callable[..., tuple[list[Surd], list[Surd]]]] = {
 }
 
 
-# -- redundant link ---------------------------------------------------------------------------------------------------
+# -- redundant link --------------------------------------------------------------------------------
 
 
 def joint(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -305,7 +336,9 @@ def joint(subject: Subject, here: Configuration, leg: int, found: Measured) -> N
         found.equal(columns[2], [row[2] for row in Q], "z")
         along = columns[0]
     if "l_r" in g:
-        found.equal(plus(s, scaled(g["l_r"], along)), plus(p, apply(Q, thesis.joint_in_platform(g)[:d])), "B_i")
+        found.equal(
+            plus(s, scaled(g["l_r"], along)), plus(p, apply(Q, thesis.joint_in_platform(g)[:d])), "B_i"
+        )
     else:
         found.equal(plus(p, scaled(here.leg("redundant", leg)[0], along)), s, "S_i on the slide")
         found.equal(along, apply(Q, thesis.slide_in_platform(g)), "slide")

@@ -1,4 +1,6 @@
-"""Proofs about whole robots: the functions that join sub-legs and platform, along motions and as linear maps."""
+"""Proofs about whole robots: the functions that join sub-legs and platform, along motions and as linear
+maps.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +8,13 @@ from collections.abc import Callable
 from typing import Any
 
 from krhpr.codegen.kernel import LEGS
+from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
 from krhpr.validation.draw import Draw
 from krhpr.validation.jets import coefficients, straight
 from krhpr.validation.linear import Matrix, apply, determinant, matrix, times
 from krhpr.validation.numbers import Exact
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.plan import Check
 from krhpr.validation.proofs.platforms import moving, moving_end_point, rows
 from krhpr.validation.subject import Subject
 
@@ -40,9 +42,13 @@ def joint_motion(subject: Subject, here: Configuration, found: Measured) -> None
     s = []
     for leg in range(LEGS):
         end = moving_end_point(here, leg)
-        residual = here.kernel("subleg", "closure", leg, s=end, theta=theta[n * leg : n * (leg + 1)])["residual"]
+        residual = here.kernel("subleg", "closure", leg, s=end, theta=theta[n * leg : n * (leg + 1)])[
+            "residual"
+        ]
         for order in range(3):
-            found.equal(coefficients(residual, order), [Exact(0)] * len(residual), f"leg {leg + 1}, order {order}")
+            found.equal(
+                coefficients(residual, order), [Exact(0)] * len(residual), f"leg {leg + 1}, order {order}"
+            )
         s += end
     motions = moving(here)
     pose = {name: motions[name] for name in ("p", "phi" if subject.planar else "Q")}

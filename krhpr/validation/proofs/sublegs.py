@@ -12,6 +12,7 @@ from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.validation.arithmetic import ARRAYS, BALLS
+from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
 from krhpr.validation.draw import Draw
 from krhpr.validation.jets import accelerations, coefficients, straight
@@ -30,7 +31,6 @@ from krhpr.validation.linear import (
 )
 from krhpr.validation.numbers import Ball, Exact
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.plan import Check
 from krhpr.validation.proofs import thesis
 from krhpr.validation.proofs.first_principles import closure_and_jacobian
 from krhpr.validation.sampling import draw
@@ -74,7 +74,7 @@ def fields(here: Configuration, leg: int, part: str = "subleg") -> dict[str, Any
     return {field.name: here.geometry[field.name][leg] for field in here.subject.geometry_types[part].fields}
 
 
-# -- velocity ---------------------------------------------------------------------------------------------------------
+# -- velocity --------------------------------------------------------------------------------------
 
 
 def equations_kernel(subleg: SubLeg) -> Kernel:
@@ -88,7 +88,9 @@ def equations_kernel(subleg: SubLeg) -> Kernel:
 
 
 def tangent_kernel(kernel: Kernel, output: str, moving: tuple[str, ...]) -> Kernel:
-    """The derivative of an output along directions of some inputs (`d_<input>`), differentiated on the graph."""
+    """The derivative of an output along directions of some inputs (`d_<input>`), differentiated on the
+    graph.
+    """
     k = KernelWriter(f"{kernel.name}_rate", "A derivative.", geometry=kernel.geometry)
     arguments = {port.name: k.add_input(port) for port in kernel.inputs}
     directions = {name: k.input(f"d_{name}", kernel.input_port(name).shape) for name in moving}
@@ -131,14 +133,18 @@ def velocity_equations(subject: Subject, here: Configuration, leg: int, found: M
 def first_principles(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
     """The independent closure vanishes, and its Jacobian is M."""
     name = subject.code.subleg.name
-    residual, implied = closure_and_jacobian(name, fields(here, leg), here.leg("s", leg), here.leg("theta", leg))
+    residual, implied = closure_and_jacobian(
+        name, fields(here, leg), here.leg("s", leg), here.leg("theta", leg)
+    )
     found.equal(residual, [Exact(0)] * len(residual), "closure")
     found.equal(jacobian(here, leg), implied, "M")
 
 
 def thesis_matrices(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
     """The printed matrices, row by row."""
-    printed = thesis.VELOCITY[subject.code.subleg.name](fields(here, leg), here.leg("s", leg), here.leg("theta", leg))
+    printed = thesis.VELOCITY[subject.code.subleg.name](
+        fields(here, leg), here.leg("s", leg), here.leg("theta", leg)
+    )
     found.equal(jacobian(here, leg), printed.M, "M")
     if printed.A is None or printed.B is None or printed.A_inverse is None:
         return
@@ -155,7 +161,9 @@ def products(subject: Subject, here: Configuration, leg: int, found: Measured) -
     n, d = subject.subleg.n, subject.subleg.space.dimension
     rows = matrix([Exact(k * k + leg + 1) / (k + 2) for k in range(subject.subleg.space.rows_per_leg * d)], d)
     flat_rows = [entry for row in rows for entry in row]
-    found.equal(matrix(here.kernel("subleg", "project", leg, **at, N=flat_rows)["K"], n), times(rows, M), "N M")
+    found.equal(
+        matrix(here.kernel("subleg", "project", leg, **at, N=flat_rows)["K"], n), times(rows, M), "N M"
+    )
     rates = here.leg("theta_dot", leg)
     s_dot = apply(M, rates)
     found.equal(here.kernel("subleg", "velocity", leg, **at)["s_dot"], s_dot, "M theta_dot")
@@ -163,7 +171,7 @@ def products(subject: Subject, here: Configuration, leg: int, found: Measured) -
     found.equal(apply(M, back), s_dot, "M rates")
 
 
-# -- determinant ------------------------------------------------------------------------------------------------------
+# -- determinant -----------------------------------------------------------------------------------
 
 
 def determinants(subject: Subject, check: Check, count: int) -> Measured:
@@ -193,11 +201,13 @@ def determinants(subject: Subject, check: Check, count: int) -> Measured:
 
 def _factor_counts(subleg: SubLeg) -> tuple[int, int]:
     k = KernelWriter("factors", "", geometry=subleg.geometry())
-    equations = subleg.velocity(k, SimpleNamespace(**{port.name: k.add_input(port) for port in subleg.posture_ports()}))
+    equations = subleg.velocity(
+        k, SimpleNamespace(**{port.name: k.add_input(port) for port in subleg.posture_ports()})
+    )
     return len(equations.serial), len(equations.parallel)
 
 
-# -- motion -----------------------------------------------------------------------------------------------------------
+# -- motion ----------------------------------------------------------------------------------------
 
 
 def motion(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -215,7 +225,7 @@ def motion(subject: Subject, here: Configuration, leg: int, found: Measured) -> 
         found.equal(coefficients(residual, order), [Exact(0)] * len(residual), f"closure, order {order}")
 
 
-# -- position ---------------------------------------------------------------------------------------------------------
+# -- position --------------------------------------------------------------------------------------
 
 
 def forward_closes(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -242,7 +252,9 @@ def inverse_closes(subject: Subject, check: Check, count: int) -> Measured:
         for leg in range(LEGS):
             s = [Ball(x) for x in batch.values["s"][0][leg].tolist()]
 
-            def kernel(name: str, leg: int = leg, geometry: Mapping[str, Any] = geometry, **inputs: Any) -> Any:
+            def kernel(
+                name: str, leg: int = leg, geometry: Mapping[str, Any] = geometry, **inputs: Any
+            ) -> Any:
                 return subject.kernel("subleg", name, inputs, geometry, leg, BALLS)
 
             every = matrix(kernel("inverse_all", s=s)["theta"], n)
@@ -275,15 +287,19 @@ def reach(subject: Subject, check: Check, count: int) -> Measured:
             inverse = subject.kernel("subleg", "inverse", inputs, geometry, 0, ARRAYS)
         exists = np.isfinite(np.array(inverse["theta"])).all(axis=0) & (inverse["radicand"][0] >= 0)
         clear = np.isnan(excess) | (np.abs(excess) > 1e-9)
-        found.worse((clear & ((excess <= 0) != exists)).astype(float), f"excess and existence differ in mode {signs}")
+        found.worse(
+            (clear & ((excess <= 0) != exists)).astype(float), f"excess and existence differ in mode {signs}"
+        )
         found.samples += many
         seen[0] += int(exists.sum())
         seen[1] += int((~exists).sum())
-    found.worse(0.0 if min(seen) > 0 else 1.0, f"no points {'within' if seen[1] else 'out of'} reach were drawn")
+    found.worse(
+        0.0 if min(seen) > 0 else 1.0, f"no points {'within' if seen[1] else 'out of'} reach were drawn"
+    )
     return found
 
 
-# -- passive joints ---------------------------------------------------------------------------------------------------
+# -- passive joints --------------------------------------------------------------------------------
 
 
 def _in_plane(angle: Any) -> list[Any]:
@@ -300,7 +316,9 @@ def passive_joints(subject: Subject, here: Configuration, leg: int, found: Measu
 def _first_axis_chain(
     g: dict[str, Any], theta: list[Any], last: Any, lengths: tuple[str, str], link: Matrix, found: Measured
 ) -> list[Any]:
-    """The end of two links at theta_2 and `last` in the linkage plane; the last one's frame is checked on the way."""
+    """The end of two links at theta_2 and `last` in the linkage plane; the last one's frame is checked on
+    the way.
+    """
     at = thesis.axes(g, theta[0])
     inner = plus(scaled(theta[1].cos(), at.x), scaled(theta[1].sin(), at.e_1))
     along = plus(scaled(last.cos(), at.x), scaled(last.sin(), at.e_1))
@@ -308,7 +326,9 @@ def _first_axis_chain(
     return plus(at.c, plus(scaled(g[lengths[0]], inner), scaled(g[lengths[1]], along)))
 
 
-def _passive_rrr(g: dict[str, Any], s: list[Any], theta: list[Any], result: dict[str, Any], found: Measured) -> None:
+def _passive_rrr(
+    g: dict[str, Any], s: list[Any], theta: list[Any], result: dict[str, Any], found: Measured
+) -> None:
     link = matrix(result["link"], 3)
     found.equal(_first_axis_chain(g, theta, theta[1] + theta[2], ("l_2", "l_3"), link, found), s, "S_i")
 
@@ -318,7 +338,9 @@ def _passive_r_fivebar(
 ) -> None:
     crank_1, crank_2, rod = result["passive"]
     distal, link_2 = theta[1] + crank_1, theta[2] + crank_2
-    found.equal(_first_axis_chain(g, theta, distal, ("l_4", "l_6"), matrix(result["link"], 3), found), s, "S_i")
+    found.equal(
+        _first_axis_chain(g, theta, distal, ("l_4", "l_6"), matrix(result["link"], 3), found), s, "S_i"
+    )
     by_rod = plus(scaled(g["l_2"], _in_plane(theta[2])), scaled(g["l_3"], _in_plane(link_2)))
     by_distal = plus(scaled(g["l_4"], _in_plane(theta[1])), scaled(g["l_6"] - g["l_5"], _in_plane(distal)))
     found.equal(by_rod, by_distal, "P")
@@ -329,7 +351,9 @@ def _passive_planar_rr(
     g: dict[str, Any], s: list[Any], theta: list[Any], result: dict[str, Any], found: Measured
 ) -> None:
     o = scaled(g["R_b"], _in_plane(g["azimuth"]))
-    found.equal(plus(plus(o, scaled(g["l_1"], _in_plane(theta[0]))), scaled(g["l_2"], result["link"])), s, "r_i")
+    found.equal(
+        plus(plus(o, scaled(g["l_1"], _in_plane(theta[0]))), scaled(g["l_2"], result["link"])), s, "r_i"
+    )
     found.equal(result["link"], _in_plane(theta[0] + theta[1]), "link")
 
 
@@ -351,4 +375,3 @@ RUNNERS: dict[str, Runner] = {
     "reach": reach,
     "passive joints": proof(passive_joints),
 }
-

@@ -88,10 +88,10 @@ class SurdAngle:
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> SurdAngle:
-        return self + (-other)
+        return self.__add__(-other)
 
     def __rsub__(self, other: Any) -> SurdAngle:
-        return -self + other
+        return (-self).__add__(other)
 
 
 def rational_angle(angle: Angle) -> SurdAngle:
@@ -99,5 +99,9 @@ def rational_angle(angle: Angle) -> SurdAngle:
     return SurdAngle(angle.cos(), angle.sin())
 
 
-THIRDS = (SurdAngle(1, 0), SurdAngle(Exact("-1/2"), Surd(0, Exact("1/2"))), SurdAngle(Exact("-1/2"), Surd(0, Exact("-1/2"))))
+THIRDS = (
+    SurdAngle(1, 0),
+    SurdAngle(Exact("-1/2"), Surd(0, Exact("1/2"))),
+    SurdAngle(Exact("-1/2"), Surd(0, Exact("-1/2"))),
+)
 """0, 120 and 240 degrees."""

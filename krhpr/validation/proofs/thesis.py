@@ -1,6 +1,7 @@
 """Matrices of the thesis as they are printed, with vectors in the base frame, on any numbers.
 
-They are copied, and that is the point: the derivation never sees them.  Errata are corrected where they stand.
+They are copied, and that is the point: the derivation never sees them.  Errata are corrected where they
+stand.
 """
 
 from __future__ import annotations
@@ -85,7 +86,9 @@ def _rrr(g: Fields, s: Vector, theta: Vector) -> VelocityMatrices:
     at = axes(g, theta[0])
     elbow = plus(at.c, scaled(g["l_2"], turned(at.e_2, theta[1], at.x)))
     arm = minus(s, at.c)
-    return VelocityMatrices(transpose([cross(at.e_1, arm), cross(at.e_2, arm), cross(at.e_2, minus(s, elbow))]))
+    return VelocityMatrices(
+        transpose([cross(at.e_1, arm), cross(at.e_2, arm), cross(at.e_2, minus(s, elbow))])
+    )
 
 
 def _planar_rr(g: Fields, s: Vector, theta: Vector) -> VelocityMatrices:
@@ -107,7 +110,7 @@ VELOCITY: dict[str, Callable[[Fields, Vector, Vector], VelocityMatrices]] = {
 }
 
 
-# -- platforms --------------------------------------------------------------------------------------------------------
+# -- platforms -------------------------------------------------------------------------------------
 
 
 def _spatial_a(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
