@@ -56,6 +56,7 @@ class NumpyBackend:
         self._module, self._geometry = module, geometry
 
     def call(self, function: str, inputs: Sequence[Any], out: tuple[Any, ...] | None) -> tuple[Any, ...]:
+        """Outputs in order, then the status."""
         answer, status = getattr(self._module, function)(*inputs, geometry=self._geometry, status=True)
         single = len(self._module.SIGNATURES[function].outputs) == 1
         results = (answer,) if single else tuple(answer)
@@ -101,6 +102,7 @@ class CompiledBackend:
         return found
 
     def call(self, function: str, inputs: Sequence[Any], out: tuple[Any, ...] | None) -> tuple[Any, ...]:
+        """Outputs in order, then the status."""
         gufunc = self.gufunc(function)
         outputs: Any = gufunc(*inputs) if out is None else gufunc(*inputs, out=(*out, None))
         return tuple(outputs)

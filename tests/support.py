@@ -6,10 +6,32 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from krhpr.codegen.pipeline import Derived
+    from krhpr.codegen.targets.base import File
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = {"derivations": "derivations", "templates": "templates", "generated": "generated"}
+
+
+@cache
+def derived_robots() -> Derived:
+    """Every robot of the catalogue, derived once in this process."""
+    from krhpr.codegen.pipeline import derive
+
+    return derive()
+
+
+@cache
+def printed_files() -> tuple[File, ...]:
+    """Every file that they generate."""
+    from krhpr.codegen.pipeline import print_all
+
+    return tuple(print_all(derived_robots()))
 
 
 def run_python(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:

@@ -104,8 +104,11 @@ Step = Callable[[str], None]
 
 
 @contextmanager
-def progress(total: int) -> Iterator[Step]:
-    """How far a long command is, on standard error: a bar in a terminal, a line for each step elsewhere."""
+def progress(total: int | None) -> Iterator[Step]:
+    """How far a long command is, on standard error: a bar in a terminal, a line for each step elsewhere.
+
+    `total` is the number of steps, if known before.
+    """
     rich = _rich() if sys.stderr.isatty() else None
     if rich is None:
         begin = perf_counter()
@@ -114,26 +117,21 @@ def progress(total: int) -> Iterator[Step]:
             f"{perf_counter() - begin:6.1f} s  {step}\n", end="", file=sys.stderr, flush=True
         )
         return
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (
-        BarColumn(),
-        TextColumn("{task.completed}/{task.total}"),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[step]}"),
-    )
+    what = TextColumn("{task.fields[step]}", markup=False)
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), what)
     with Progress(*columns, console=rich.console.Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=total, step="")
         begun = 0
 
         def advance(step: str) -> None:
             nonlocal begun
-            # what is begun is not yet done
-            bar.update(task, completed=min(begun, total), step=step)
+            bar.update(task, completed=begun, step=step)  # what begins is not yet done
             begun += 1
 
         yield advance
-        bar.update(task, completed=total)
+        bar.update(task, completed=begun)
 
 
 def _rich() -> Any:

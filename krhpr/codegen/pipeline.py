@@ -19,11 +19,12 @@ from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.report import report_files
 from krhpr.codegen.targets.base import File, Target
 from krhpr.codegen.targets.c import CTarget
+from krhpr.codegen.targets.c_casadi import CasadiShimTarget
 from krhpr.codegen.targets.casadi import CasadiTarget
 from krhpr.codegen.targets.python import PythonTarget
 from krhpr.derivations.catalogue import Entry, catalogue
 
-TARGETS: tuple[Target, ...] = (CTarget(), PythonTarget(), CasadiTarget())
+TARGETS: tuple[Target, ...] = (CTarget(), CasadiShimTarget(), PythonTarget(), CasadiTarget())
 
 Progress = Callable[[str], None]
 

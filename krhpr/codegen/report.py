@@ -12,6 +12,7 @@ from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.passes import Part
 from krhpr.codegen.targets.base import File, render
+from krhpr.validation.page import page
 
 
 def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Sequence[File]) -> list[File]:
@@ -25,6 +26,7 @@ def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Se
         File("c/CMakeLists.txt", render("c/CMakeLists.txt.j2", identifiers=identifiers, version=__version__)),
         File("operations.json", _operations(robots, parts)),
         File("README.md", render("README.md.j2", rows=rows, robots=robots)),
+        File("VALIDATION.md", render("VALIDATION.md.j2", **page(robots))),
     ]
 
 

@@ -49,7 +49,7 @@ def _written_out(text: str, sources: Mapping[str, str], own: Container[str]) -> 
     seen: set[str] = set()
 
     def insert(match: re.Match[str]) -> str:
-        included = match[1]
+        included = PurePosixPath(match[1]).name
         if included in own:  # stays, and brings all that it includes
             seen.update(_included(included, sources))
             return match[0]
@@ -62,6 +62,7 @@ def _written_out(text: str, sources: Mapping[str, str], own: Container[str]) -> 
 
 
 def _included(name: str, sources: Mapping[str, str]) -> Iterator[str]:
-    for included in _INCLUDE.findall(sources[name]):
+    for path in _INCLUDE.findall(sources[name]):
+        included = PurePosixPath(path).name
         yield included
         yield from _included(included, sources)

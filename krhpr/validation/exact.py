@@ -15,12 +15,12 @@ from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, Port
 from krhpr.validation.arithmetic import BALLS, RATIONAL
-from krhpr.validation.check import Check, Kind, Target
+from krhpr.validation.check import Check, Target
 from krhpr.validation.draw import Draw
 from krhpr.validation.numbers import BALL, EXACT, Ball, Exact, ball_precision
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.plan import has_roots, needs_balls
-from krhpr.validation.printed import RUNNERS, c_program
+from krhpr.validation.printed import PRINTED, c_program
 from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 
@@ -89,7 +89,7 @@ def printed_text(subject: Subject, check: Check, count: int) -> Measured:
     """A function of a printed text against the derivation."""
     function = subject.code.function(check.function)
     balls = needs_balls(subject.code, function)
-    run = RUNNERS[check.target]
+    run = PRINTED[check.target]
     found = Measured(check)
     with ball_precision():
         cases = (
@@ -224,8 +224,9 @@ def _decimal(value: Ball) -> Exact:
     return Exact(repr(float(value.enclosure.mid())))
 
 
-RUNNERS_BY_NAME: dict[tuple[Kind, str], Runner] = {
-    (Kind.PASSES, "optimised"): optimised,
-    (Kind.IDENTITY, "printed text"): printed_text,
-    (Kind.IDENTITY, "default sizes"): default_sizes,
+RUNNERS: dict[str, Runner] = {
+    "optimised": optimised,
+    "printed text": printed_text,
+    "default sizes": default_sizes,
 }
+"""The code of each check by its name in the plan."""

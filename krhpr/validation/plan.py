@@ -41,7 +41,7 @@ from krhpr.validation.rules import (
 KINDS = {
     Kind.PROOF: "The derivation: closed forms against constraint equations, differentiated independently.",
     Kind.PASSES: "The optimised kernel against the kernel as derived, at random inputs.",
-    Kind.IDENTITY: "The printed text, run on exact numbers with random lengths and angles, against the derivation.",
+    Kind.IDENTITY: "The printed text, run on exact numbers with random sizes, against the derivation.",
     Kind.DIFFERENCES: "Functions that are derivatives against central differences of what they derive.",
     Kind.AGREEMENT: "The same function on two targets, in doubles, relative to the scale of the output.",
     Kind.DIGITS: "Each target, in doubles, against the derivation to more than fifty digits.",

@@ -194,5 +194,5 @@ def _constants(subject: Subject, function: RobotFunction) -> dict[float, Fractio
     return {float(value): value for value in values}
 
 
-RUNNERS = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
+PRINTED = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
 """How each printed target is run."""

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import warnings
 from dataclasses import replace
+from pathlib import Path
 from typing import NoReturn
 
 import pytest
@@ -75,8 +76,9 @@ def test_what_is_missing_is_named_with_its_extra(missing: str, extra: str) -> No
     assert run.stderr.endswith(f"krhpr: {missing} is not installed: pip install 'krhpr[{extra}]'\n")
 
 
-def test_generating_does_without_rich() -> None:
-    run = run_python("-c", BLOCK.format(arguments=["generate", "--check"], blocked=("rich",)))
+def test_generating_does_without_rich(tmp_path: Path) -> None:
+    arguments = ["generate", "planar_rr_a", "--out", str(tmp_path / "arm")]
+    run = run_python("-c", BLOCK.format(arguments=arguments, blocked=("rich",)))
     assert run.returncode == 0, run.stderr
 
 
@@ -169,10 +171,10 @@ def test_a_table_in_a_terminal_without_rich_is_plain(cli: Cli, monkeypatch: pyte
 
 
 def test_progress_in_a_terminal_leaves_nothing_behind_but_the_results(
-    cli: Cli, monkeypatch: pytest.MonkeyPatch
+    cli: Cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr("_pytest.capture.CaptureIO.isatty", lambda self: True)
     monkeypatch.setenv("TERM", "xterm")
-    result = cli("generate", "--check")
+    result = cli("generate", "planar_rr_a", "--out", tmp_path / "arm")
     assert result.code == 0
     assert "derive planar_rr_a" in result.err

@@ -79,7 +79,7 @@ def test_progress_names_every_step() -> None:
     steps: list[str] = []
     entry = catalogue()[-1]
     print_all(derive([entry], steps.append), steps.append)
-    assert steps == [f"derive {entry.identifier}", "print c", "print python", "print casadi", "report"]
+    assert steps == [f"derive {entry.identifier}", "print c", "print casadi shim", "print python", "print casadi", "report"]
 
 
 def test_a_robot_alone_is_printed_as_it_is_among_others(printed: list[File]) -> None:

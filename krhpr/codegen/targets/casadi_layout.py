@@ -31,7 +31,7 @@ class Patterns:
         return self._name((rows, columns, *starts, *(row for column in entries for row in column)))
 
     def _name(self, pattern: tuple[int, ...]) -> str:
-        return self._names.setdefault(pattern, f"pattern_{len(self._names)}")
+        return self._names.setdefault(pattern, f"P{len(self._names)}")
 
     def declarations(self) -> list[tuple[str, int, str]]:
         return [(name, len(p), ", ".join(map(str, p))) for p, name in self._names.items()]
