@@ -22,16 +22,19 @@ export OPENBLAS_NUM_THREADS ?= 1
 .DELETE_ON_ERROR:
 # Two targets may set up one environment.
 .NOTPARALLEL:
-.PHONY: help generate check test test-full lint format docs bench lock upgrade clean distclean
+.PHONY: help generate check validate test test-full lint format budgets docs bench lock upgrade clean distclean
 
 help: ## Say what the targets do
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
 
-generate: $(GENERATE_READY) ## Derive every robot, write generated/ and compile it
+generate: $(GENERATE_READY) ## Derive every robot, write generated/ and compile it; end with a table
 	$(VENV)/bin/krhpr generate
 
 check: $(GENERATE_READY) ## Say what `make generate` would change, and why; write nothing
 	$(VENV)/bin/krhpr generate --check
+
+validate: $(TEST_READY) ## Check generated/ against the derivation; the report is in build/validation/
+	$(VENV)/bin/krhpr validate $(ARGS)
 
 test: lint ## Lint, then run the tests on small samples
 	$(VENV)/bin/python -m pytest -n $(WORKERS) -q $(ARGS)
@@ -52,6 +55,9 @@ format: $(TEST_READY) ## Lay the Python sources out as lint wants them
 docs: $(TEST_READY) ## Draw the pictures and refresh the code and tables that docs/ shows
 	$(VENV)/bin/python docs/pictures/make.py
 	$(VENV)/bin/python docs/refresh.py
+
+budgets: $(GENERATE_READY) ## Record the operations of every kernel as the most that the tests allow it
+	$(VENV)/bin/python tools/record_budgets.py
 
 bench: $(BENCH_READY) ## Measure speed against peers, in an environment of their own
 	$(BENCH)/bin/python -m benchmarks $(ARGS)

@@ -71,7 +71,8 @@ def __getattr__(name: str) -> Any:
                 from krhpr.errors import GeneratedMismatch
 
                 raise GeneratedMismatch(
-                    f"the generated robots are missing or damaged ({error}); run `krhpr generate` (or `make generate`)"
+                    f"the generated robots are missing or damaged ({error}); run `krhpr generate` "
+                    "(or `make generate`)"
                 ) from error
             raise
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

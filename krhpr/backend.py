@@ -120,9 +120,18 @@ class CompiledBackend:
         return bytes(buffer)
 
 
+def backend_name(wanted: str | None = None) -> BackendName:
+    """The backend wanted, else the one that KRHPR_BACKEND names, else auto."""
+    name = wanted or os.environ.get("KRHPR_BACKEND") or BackendName.AUTO
+    if name not in set(BackendName):
+        source = "" if wanted else " (KRHPR_BACKEND)"
+        raise ValueError(f"no backend is called {name!r}{source}; there are {', '.join(BackendName)}")
+    return BackendName(name)
+
+
 def make_backend(module: ModuleType, geometry: Any, wanted: str | None = None) -> Backend:
     """The backend asked for; `auto` compiles where it can and falls back to NumPy with one warning."""
-    name = BackendName(wanted or os.environ.get("KRHPR_BACKEND") or BackendName.AUTO)
+    name = backend_name(wanted)
     if name is BackendName.NUMPY:
         return NumpyBackend(module, geometry)
     try:
@@ -188,6 +197,7 @@ __all__ = [
     "CompiledBackend",
     "NoCompiler",
     "NumpyBackend",
+    "backend_name",
     "compile_extension",
     "compile_robot",
     "make_backend",

@@ -6,6 +6,7 @@ from importlib import import_module
 
 import krhpr.generated
 from krhpr import __version__
+from krhpr.backend import backend_name
 from krhpr.errors import GeneratedMismatch, UnknownRobot
 from krhpr.robot import Robot
 
@@ -24,6 +25,7 @@ def load(identifier: str, *, backend: str | None = None) -> Robot:
     """
     if identifier not in catalogue():
         raise UnknownRobot.among(identifier, catalogue())
+    backend_name(backend)
     return Robot(import_module(f"krhpr.generated.python.{identifier}"), backend=backend)
 
 

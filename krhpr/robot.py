@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from importlib import import_module
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
@@ -135,6 +136,9 @@ class Robot:
     def casadi(self) -> CasadiFunctions:
         """The kernels as casadi.Function, with this geometry: `robot.casadi.twist`."""
         return CasadiFunctions(self.identifier, self.geometry)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self._module.__name__, self.geometry, self._backend_name)
 
     def __repr__(self) -> str:
         return f"<Robot {self.identifier} {self.notation}: {self.title}>"
@@ -464,8 +468,6 @@ class CasadiFunctions:
     """A robot's kernels as casadi.Function, made on first use: `robot.casadi.inverse`."""
 
     def __init__(self, identifier: str, geometry: Geometry) -> None:
-        from importlib import import_module
-
         try:
             self._module = import_module(f"krhpr.generated.casadi.{identifier}")
         except ModuleNotFoundError as error:
@@ -519,6 +521,11 @@ _MEANING = {
     Status.NO_CONVERGENCE: "an iteration did not converge",
     Status.AMBIGUOUS: "several answers cannot be told apart",
 }
+
+
+def _restored(module: str, geometry: Geometry, backend: str | None) -> Robot:
+    """A robot out of a pickle."""
+    return Robot(import_module(module), geometry, backend)
 
 
 def _shape_text(port: Port) -> str:

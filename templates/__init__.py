@@ -1,0 +1,1 @@
+"""Layouts of the output files (Jinja2), one folder per target."""

@@ -20,7 +20,8 @@ from krhpr import GeneratedMismatch, InvalidInput, Robot, Singular, Status, Unkn
 from krhpr import backend as backend_module
 from tests.support import run_python
 
-ROBOTS = krhpr.catalogue()
+ROBOTS = ("spatial_rrr_a", "spatial_r_fivebar_a", "spatial_rrr_c", "planar_rr_a")
+"""One of each kind: open and closed legs, redundant links and slides, space and plane."""
 BACKENDS = ("numpy", "compiled")
 Array = np.ndarray[Any, Any]
 
@@ -124,21 +125,21 @@ def arguments(robot: Robot, function: str, *batch: int, seed: int = 0) -> tuple[
     )
 
 
-FUNCTIONS = sorted({name for identifier in ROBOTS for name in krhpr.load(identifier).functions})
+CASES = [(identifier, name) for identifier in ROBOTS for name in krhpr.load(identifier).functions]
 
 
-@pytest.fixture(params=FUNCTIONS)
-def function(request: pytest.FixtureRequest, robot: Robot) -> str:
-    """Every function that the robot has."""
-    if request.param not in robot.functions:
-        pytest.skip(f"{robot.identifier} has no {request.param}")
-    return str(request.param)
+@pytest.fixture(params=CASES, ids=".".join)
+def case(request: pytest.FixtureRequest, backend: str) -> tuple[Robot, str]:
+    """Every function of every robot."""
+    identifier, function = request.param
+    return load(identifier, backend), function
 
 
 # -- arrays --------------------------------------------------------------------------------------------------
 
 
-def test_shapes_are_those_of_the_signature(robot: Robot, function: str) -> None:
+def test_shapes_are_those_of_the_signature(case: tuple[Robot, str]) -> None:
+    robot, function = case
     for batch in ((), (1,), (4,), (2, 3), (0,), (3, 0)):
         answer, status = robot.call(function, *arguments(robot, function, *batch), status=True)
         for port, result in zip(robot.signature(function).outputs, results(answer), strict=True):
@@ -148,7 +149,8 @@ def test_shapes_are_those_of_the_signature(robot: Robot, function: str) -> None:
         assert not np.any(status)
 
 
-def test_a_batch_is_its_elements(robot: Robot, function: str) -> None:
+def test_a_batch_is_its_elements(case: tuple[Robot, str]) -> None:
+    robot, function = case
     given = arguments(robot, function, 2, 3)
     together = results(robot.call(function, *given))
     for index in np.ndindex(2, 3):
@@ -156,7 +158,8 @@ def test_a_batch_is_its_elements(robot: Robot, function: str) -> None:
         assert_same(tuple(result[index] for result in together), alone, 1e-12)
 
 
-def test_batch_dimensions_broadcast(robot: Robot, function: str) -> None:
+def test_batch_dimensions_broadcast(case: tuple[Robot, str]) -> None:
+    robot, function = case
     given = arguments(robot, function, 5)
     wide = [array[:, None] if n % 2 else array[None] for n, array in enumerate(given)]
     answer = results(robot.call(function, *wide, check_rotation=False))
@@ -168,7 +171,8 @@ def test_batch_dimensions_broadcast(robot: Robot, function: str) -> None:
         assert_same(alike, robot.call(function, *given), 1e-13)
 
 
-def test_layout_in_memory_does_not_matter(robot: Robot, function: str) -> None:
+def test_layout_in_memory_does_not_matter(case: tuple[Robot, str]) -> None:
+    robot, function = case
     given = arguments(robot, function, 4)
     plain = robot.call(function, *given)
     fortran = [np.asfortranarray(array) for array in given]
@@ -191,7 +195,8 @@ def _unaligned(array: Array) -> Array:
     return view
 
 
-def test_arguments_are_not_changed(robot: Robot, function: str) -> None:
+def test_arguments_are_not_changed(case: tuple[Robot, str]) -> None:
+    robot, function = case
     given = arguments(robot, function, 3)
     for array in given:
         array.setflags(write=False)
@@ -200,7 +205,8 @@ def test_arguments_are_not_changed(robot: Robot, function: str) -> None:
     assert all(np.array_equal(a, b) for a, b in zip(given, before, strict=True))
 
 
-def test_results_go_where_they_are_asked_to(robot: Robot, function: str) -> None:
+def test_results_go_where_they_are_asked_to(case: tuple[Robot, str]) -> None:
+    robot, function = case
     given = arguments(robot, function, 3)
     plain = results(robot.call(function, *given))
     out = tuple(np.full_like(result, 7.0) for result in plain)
@@ -386,7 +392,8 @@ def test_a_singular_platform_says_which_determinant(spatial: Robot, planar: Robo
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_nan_and_infinity_are_invalid_input(robot: Robot, function: str, value: float) -> None:
+def test_nan_and_infinity_are_invalid_input(case: tuple[Robot, str], value: float) -> None:
+    robot, function = case
     given = list(arguments(robot, function, 3))
     for n in range(len(given)):
         spoiled = [array.copy() for array in given]
@@ -529,12 +536,9 @@ def test_geometry_cannot_be_changed_by_accident(planar: Robot) -> None:
 # -- backends ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("identifier", ROBOTS)
-@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize(("identifier", "name"), CASES, ids=map(".".join, CASES))
 def test_backends_agree(identifier: str, name: str, full: bool) -> None:
-    robots = [load(identifier, name) for name in BACKENDS]
-    if name not in robots[0].functions:
-        pytest.skip(f"{identifier} has no {name}")
+    robots = [load(identifier, backend) for backend in BACKENDS]
     given = arguments(robots[0], name, 20_000 if full else 200)
     numpy, compiled = (robot.call(name, *given, status=True) for robot in robots)
     assert np.array_equal(numpy[1], compiled[1])
@@ -562,8 +566,10 @@ def test_the_backend_is_chosen_by_name_or_environment(monkeypatch: pytest.Monkey
     assert krhpr.load("planar_rr_a").with_geometry(l_1=0.2).backend == "numpy"
     assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
     monkeypatch.setenv("KRHPR_BACKEND", "fortran")
-    with pytest.raises(ValueError, match="fortran"):
-        _ = krhpr.load("planar_rr_a").backend
+    with pytest.raises(ValueError, match=r"'fortran' \(KRHPR_BACKEND\); there are auto, compiled, numpy"):
+        krhpr.load("planar_rr_a")
+    with pytest.raises(ValueError, match="no backend is called 'C'; there are"):
+        krhpr.load("planar_rr_a", backend="C")
 
 
 @pytest.fixture
@@ -615,6 +621,15 @@ def test_without_the_headers_of_python_it_falls_back_too(monkeypatch: pytest.Mon
     monkeypatch.setattr(backend_module, "extension_path", missing)
     with pytest.warns(RuntimeWarning, match="headers are missing"):
         assert krhpr.load("planar_rr_a").backend == "numpy"
+
+
+def test_robots_can_be_sent_to_other_processes(robot: Robot) -> None:
+    changed = robot.with_geometry(l_2=robot.geometry.l_2 * 1.1)
+    pose = poses(robot)
+    wanted = changed.inverse(*pose)
+    for again in (pickle.loads(pickle.dumps(changed)), copy.deepcopy(changed), copy.copy(changed)):
+        assert again.geometry == changed.geometry and again.backend == changed.backend
+        assert_same(again.inverse(*pose), wanted)
 
 
 # -- the catalogue -------------------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 """Record the operations of every kernel as its budget, and say what changed.
 
-    python tools/record_budgets.py
+    python tools/record_budgets.py        (or: make budgets)
 
 `tests/codegen/test_budgets.py` fails where a kernel takes more than recorded; run this where that is meant,
 and commit the file with the reason.

@@ -37,16 +37,16 @@ static const char HELP[] =
     "For each pose: the status, the joint angles leg by leg, and J (rows as in J t = K theta_dot).\n"
     "\n"
     "  -d, --degrees      angles are in degrees, read and printed\n"
-    "  -m, --mode SIGNS   working mode of all legs: signs of shoulder, elbow and rod, such as ++- (default +++)\n"
+    "  -m, --mode SIGNS   working mode of all legs: signs of shoulder, elbow and rod, such as ++- (default +--)\n"
     "  -n, --no-jacobian  do not print J\n"
     "  -h, --help         print this text\n"
     "\n"
-    "The exit status is 0 where every pose has an answer, 1 where one has none, 2 where the input or an option is malformed.\n";
+    "The exit status is 0 where every pose has an answer, 1 where one has none, 2 where input or options are malformed.\n";
 
 typedef struct {
     double per_radian; /* one radian in the unit of angles */
     int jacobian;
-    double mode[LEGS * SIGNS];
+    const double *mode; /* signs, leg by leg; NULL for the default */
 } options;
 
 static const char *status_text(int status)
@@ -184,6 +184,7 @@ static int read_rotation(const krhpr_spatial_r_fivebar_a_geometry *g, const opti
 
 static int read_options(int argc, char **argv, options *wanted)
 {
+    static double mode[LEGS * SIGNS];
     for (int k = 1; k < argc; ++k) {
         if (strcmp(argv[k], "-h") == 0 || strcmp(argv[k], "--help") == 0) {
             fputs(HELP, stdout);
@@ -199,8 +200,9 @@ static int read_options(int argc, char **argv, options *wanted)
                 return 0;
             }
             for (int j = 0; j < LEGS * SIGNS; ++j) {
-                wanted->mode[j] = signs[j % SIGNS] == '+' ? 1.0 : -1.0;
+                mode[j] = signs[j % SIGNS] == '+' ? 1.0 : -1.0;
             }
+            wanted->mode = mode;
         } else {
             fprintf(stderr, "inverse: unknown option '%s'; --help tells what there is\n", argv[k]);
             return 0;
@@ -212,7 +214,7 @@ static int read_options(int argc, char **argv, options *wanted)
 int main(int argc, char **argv)
 {
     static krhpr_spatial_r_fivebar_a_geometry g;
-    options wanted = {1.0, 1, {1, 1, 1, 1, 1, 1, 1, 1, 1}};
+    options wanted = {1.0, 1, NULL};
     char text[LONGEST_LINE + 2];
     double numbers[MOST], Q[9], beta[3];
     int result = ALL_ANSWERED;

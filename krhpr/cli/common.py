@@ -127,7 +127,7 @@ def progress(total: int | None) -> Iterator[Step]:
 
         def advance(step: str) -> None:
             nonlocal begun
-            bar.update(task, completed=begun, step=step)  # what begins is not yet done
+            bar.update(task, completed=begun, step=step, refresh=True)  # what begins is not yet done
             begun += 1
 
         yield advance

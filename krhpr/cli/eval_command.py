@@ -8,19 +8,24 @@ from krhpr.cli.common import Command
 
 EPILOG = """\
 input:
-  JSON  an object of argument name -> number or nested lists, with any batch dimensions before those that
-        `krhpr info ROBOT --function FUNCTION` shows; or a list of such objects
-  CSV   a header of columns (phi; p_0,p_1,p_2; Q_00,Q_01,...,Q_22) and a row for each configuration
-  A working or assembly mode may be given by its label, for all or in a field or column `mode`, `assembly`.
+  JSON  an object of argument name -> number or nested lists, with any batch
+        dimensions before those that `krhpr info ROBOT --function FUNCTION` shows;
+        or a list of such objects
+  CSV   a header of columns (phi; p_0,p_1,p_2; Q_00,Q_01,...,Q_22) and a row for
+        each configuration
+  A working or assembly mode may be given by its label: by an option for all, or in
+  a field or column `mode`, `assembly`.
 
 output:
-  results by name, in the same form; null (JSON) or nan (CSV) where there is no answer, --status says why
+  results by name, in the same form; null (JSON) or nan (CSV) where there is no
+  answer, --status says why
 
 examples:
-  echo '{"p": [0, 0, 0.45], "Q": [[1,0,0],[0,1,0],[0,0,1]], "redundant": [1.57, 1.57, 1.57]}' |
-    krhpr eval spatial_rrr_a inverse --status
+  echo '{"p": [0, 0.01], "phi": 0.1, "redundant": [1.57, 1.57, 1.57]}' |
+    krhpr eval planar_rr_a inverse --status
   krhpr eval planar_rr_a inverse --input poses.csv --mode elbow- --to json
-  krhpr eval planar_rr_a subleg_forward --input joints.json --geometry l_1=0.14 l_2=0.15,0.16,0.17"""
+  krhpr eval planar_rr_a subleg_forward --input joints.json --geometry l_1=0.14
+  krhpr eval planar_rr_a inverse --input poses.json --geometry l_2=0.15,0.16,0.17"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -28,7 +28,10 @@ _ZERO_UNLESS_GIVEN = {("joint_rates", "redundant_rates"), ("joint_accelerations"
 
 def run(options: argparse.Namespace) -> int:
     """Evaluate a function and print its results."""
-    robot = krhpr.load(options.robot)
+    try:
+        robot = krhpr.load(options.robot)
+    except ValueError as error:  # KRHPR_BACKEND
+        raise WrongUse(str(error)) from None
     signature = find_signature(robot, options.function)
     robot = _with_geometry(robot, options.geometry)
     preset = _branches(signature, options)

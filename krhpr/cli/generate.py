@@ -29,9 +29,10 @@ EPILOG = """\
 examples:
   krhpr generate                            write generated/ and compile every robot
   krhpr generate --check                    write nothing; exit code 3 where a file would change
-  krhpr generate spatial_rrr_a --out arm    a folder that stands alone: a Python package, and C with CMake
+  krhpr generate spatial_rrr_a --out arm    a Python package, and C with CMake
 
-Files are moved into place when all of them are ready; an interrupted run leaves the old ones whole."""
+Files are moved into place when all of them are ready; an interrupted run leaves
+the old ones whole."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -259,7 +260,7 @@ def _compile(identifiers: Sequence[str]) -> str:
     except NoCompiler as error:
         return (
             f"Not compiled: {error}.\nRobots run on the pure NumPy modules: the same results, but a single "
-            "call takes tens of times longer, and large batches several times."
+            "call takes about ten times longer, and large batches several times."
         )
     return f"Compiled kernels in {cache_folder()}; {perf_counter() - begin:.1f} s"
 

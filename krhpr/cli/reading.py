@@ -65,6 +65,8 @@ class Given:
 def read_source(path: str, wanted: str | None) -> Source:
     """The text of a file (`-`: standard input); its format, unless wanted, by ending or first character."""
     name = "standard input" if path == "-" else path
+    if path == "-" and sys.stdin.isatty():
+        print("Reading standard input; it ends with Ctrl-D on a line of its own", file=sys.stderr)
     try:
         data = sys.stdin.buffer.read() if path == "-" else Path(path).read_bytes()
         text = data.decode("utf-8-sig")

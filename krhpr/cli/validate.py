@@ -22,8 +22,8 @@ examples:
   krhpr validate
   krhpr validate spatial_rrr_a --full
 
-Exit code 3 where a check fails. Every check, its worst error and its tolerance stand in report.md and
-report.json."""
+Exit code 3 where a check fails. Every check, its worst error and its tolerance
+stand in report.md and report.json."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,9 +1,9 @@
 """Twins of kernels that carry tangents: with the values go their derivatives along several directions.
 
-`tangent_twin` differentiates a kernel on its graph (forward mode).  The twin first computes, once, what does not
-depend on the directions; the rest is straight-line and linear in them, so that a target prints it as a loop over the
-directions, which compilers turn into vector code.  `tangent_function` finds what a robot's function needs: its calls
-without those that only guard, and the structure (sparsity) of its Jacobian.
+`tangent_twin` differentiates a kernel on its graph (forward mode).  The twin first computes, once, what
+does not depend on the directions; the rest is straight-line and linear in them, so that a target prints it
+as a loop over the directions, which compilers turn into vector code.  `tangent_function` finds what a robot's
+function needs: its calls without those that only guard, and the structure (sparsity) of its Jacobian.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ def twin_outputs(kernel: Kernel) -> tuple[Port, ...]:
 def tangent_twin(kernel: Kernel) -> Kernel | None:
     """A kernel with a tangent for every input (but branches) and every output that has a derivative.
 
-    Nodes that do not depend on tangents come first, and those that the others read have names.  A kernel that only serves
-    guards has no twin.
+    Nodes that do not depend on tangents come first, and those that the others read have names.  A kernel that
+    only serves guards has no twin.
     """
     outputs = twin_outputs(kernel)
     if not outputs:
@@ -136,7 +136,7 @@ def _moved(kernel: Kernel, graph: Graph, place: Sequence[int]) -> Kernel:
     return replace(kernel, graph=graph, results=results)
 
 
-# -- functions --------------------------------------------------------------------------------------------------
+# -- functions ----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,8 @@ class TangentFunction:
     carried: frozenset[str]
     """Variables that have a tangent."""
     structure: Mapping[tuple[str, str], frozenset[tuple[int, int]]]
-    """(output, input) -> (element, element) of the legs' arrays one after the other, where the derivative may be other
-    than zero.
+    """(output, input) -> (element, element) where the derivative may be other than zero; arrays of legs one
+    after the other.
     """
 
 

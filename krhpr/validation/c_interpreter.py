@@ -1583,6 +1583,10 @@ class CProgram:
             ]
         )
 
+    def parameters(self, name: str) -> tuple[str, ...]:
+        """The names of a function's parameters, in their order."""
+        return tuple(parameter for parameter, _, _ in self._function(name).parameters)
+
     def _function(self, name: str) -> Function:
         if name not in self._functions:
             node = self._definitions[name]

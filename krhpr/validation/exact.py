@@ -20,7 +20,7 @@ from krhpr.validation.draw import Draw
 from krhpr.validation.numbers import BALL, EXACT, Ball, Exact, ball_precision
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.plan import has_roots, needs_balls
-from krhpr.validation.printed import PRINTED, c_program
+from krhpr.validation.printed import KERNELS, PRINTED, c_program
 from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 
@@ -188,6 +188,33 @@ def nearest_mode(subject: Subject, inputs: Inputs, geometry: Fields, arithmetic:
     return result
 
 
+# -- kernels that no function calls ----------------------------------------------------------------
+
+
+def kernel_text(subject: Subject, check: Check, count: int) -> Measured:
+    """A printed kernel by itself against the derivation, for the first leg."""
+    key, name = check.function.split(".")
+    derived = subject.derived(key, name)
+    roots = has_roots(derived)
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for index in range(count):
+            if roots:
+                geometry, inputs = _reachable(subject, check.seed + index, derived.inputs, source)
+            else:
+                geometry = source.geometry(*subject.geometry_types.values())
+                inputs = {
+                    port.name: source.port(port, subject.code.angular, full=False) for port in derived.inputs
+                }
+            wanted = subject.kernel(key, derived, inputs, geometry, 0, BALLS if roots else RATIONAL)
+            got = KERNELS[check.target](subject, key, derived, inputs, geometry, BALL if roots else EXACT)
+            found.samples += 1
+            for port in derived.outputs:
+                found.equal(got[port.name], wanted[port.name], port.name)
+    return found
+
+
 # -- default sizes ---------------------------------------------------------------------------------
 
 
@@ -227,6 +254,7 @@ def _decimal(value: Ball) -> Exact:
 RUNNERS: dict[str, Runner] = {
     "optimised": optimised,
     "printed text": printed_text,
+    "kernel text": kernel_text,
     "default sizes": default_sizes,
 }
 """The code of each check by its name in the plan."""

@@ -73,7 +73,7 @@ def _group(key: str, title: str, plans: dict[str, list[Check]]) -> _Group:
     for check in checks:
         if check.kind is Kind.PROOF:
             proofs.setdefault(check.name, []).append(check)
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, found in proofs.items():
         parts = list(dict.fromkeys(check.shared for check in found))
         where = "all" if parts == names else _quoted(parts)
@@ -145,7 +145,7 @@ def _statements(plans: dict[str, list[Check]]) -> list[_Statement]:
 
 
 def _robot(robot: RobotCode, checks: Sequence[Check]) -> dict[str, Any]:
-    """A row for each function: on which targets the printed text is proven, and what else it takes part in."""
+    """A row for each function: on which targets its text is proven, and what else it takes part in."""
     everywhere = _list(check.name for check in checks if check.function == EVERY)
     rows = [_row(function.name, checks) for function in robot.functions]
     return {

@@ -23,11 +23,11 @@ import casadi
 import numpy as np
 
 from krhpr.codegen.composition import RobotFunction
-from krhpr.codegen.kernel import LEGS, Layout, Port
+from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
 from krhpr.validation import casadi_exact
 from krhpr.validation.c_interpreter import Array, CProgram
 from krhpr.validation.check import Target
-from krhpr.validation.numbers import Arithmetic
+from krhpr.validation.numbers import Arithmetic, cos, sin
 from krhpr.validation.numpy_exact import exact_numpy
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 
@@ -193,6 +193,62 @@ def _constants(subject: Subject, function: RobotFunction) -> dict[float, Fractio
     ]
     return {float(value): value for value in values}
 
+
+# -- kernels by themselves -------------------------------------------------------------------------
+
+
+def c_kernel(
+    subject: Subject, key: str, kernel: Kernel, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A kernel of the C text; its sines and cosines are computed first, from the angles that it names."""
+    program = c_program(subject, arithmetic)
+    symbol = f"krhpr_{subject.code.parts[key].name}_{kernel.name}"
+    values: dict[str, Any] = {port.name: inputs[port.name] for port in kernel.inputs}
+    values = {port.name: values[port.name] if port.shape else values[port.name][0] for port in kernel.inputs}
+    if kernel.geometry is not None:
+        values["g"] = getattr(c_geometry(subject, geometry, program), key)[0]
+    if f"{symbol}_angles" in program.functions:
+        names = program.parameters(f"{symbol}_angles")
+        angles = Array.unset(kernel.operations.sine_cosine, "angle")
+        program.call(f"{symbol}_angles", *(angles if name == "angle" else values[name] for name in names))
+        values |= {"sine": [sin(angle) for angle in angles], "cosine": [cos(angle) for angle in angles]}
+    results = {port.name: Array.unset(port.size, port.name) for port in kernel.outputs}
+    program.call(symbol, *({**values, **results}[name] for name in program.parameters(symbol)))
+    return {name: list(array) for name, array in results.items()}
+
+
+def numpy_kernel(
+    subject: Subject, key: str, kernel: Kernel, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A kernel of the NumPy text."""
+    module = getattr(numpy_module(subject, arithmetic), key)
+    fields = {name: arithmetic.lift(values[0]) for name, values in geometry.items()}
+    arguments = [module.prepare(fields)] if kernel.geometry is not None else []
+    found = getattr(module, kernel.name)(*arguments, *(inputs[port.name] for port in kernel.inputs))
+    parts = found if len(kernel.outputs) > 1 else (found,)
+    return {port.name: list(values) for port, values in zip(kernel.outputs, parts, strict=True)}
+
+
+def casadi_kernel(
+    subject: Subject, key: str, kernel: Kernel, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs:
+    """A kernel of the CasADi text."""
+    module = getattr(subject.casadi, key)
+    fields = {name: casadi.SX.sym(name) for name in geometry}
+    symbols = {port.name: casadi.SX.sym(port.name, port.size) for port in kernel.inputs}
+    arguments = [module.prepare(fields)] if kernel.geometry is not None else []
+    arguments += [casadi.vertsplit(symbols[port.name]) for port in kernel.inputs]
+    found = getattr(module, kernel.name)(*arguments)
+    parts = found if len(kernel.outputs) > 1 else (found,)
+    outputs = [casadi.vertcat(*part) for part in parts]
+    built = casadi.Function(kernel.name, [*fields.values(), *symbols.values()], outputs)
+    values = [*([entry[0]] for entry in geometry.values()), *(inputs[port.name] for port in kernel.inputs)]
+    matrices = casadi_exact.evaluate(built, values, arithmetic)
+    return {port.name: [row[0] for row in rows] for port, rows in zip(kernel.outputs, matrices, strict=True)}
+
+
+KERNELS = {Target.C: c_kernel, Target.NUMPY: numpy_kernel, Target.CASADI: casadi_kernel}
+"""How a kernel of each printed target is run by itself."""
 
 PRINTED = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
 """How each printed target is run."""

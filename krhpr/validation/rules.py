@@ -78,7 +78,8 @@ SUBLEG_PROOFS = (
         "project",
         EXACT,
         MANY,
-        "project = N M, velocity = M theta_dot and rates = M^-1 s_dot.",
+        "project = N M, velocity = M theta_dot and rates = M^-1 s_dot; their guards are the factors of "
+        "det M.",
         ("velocity", "rates"),
     ),
     Proof(
@@ -176,7 +177,14 @@ PLATFORM_PROOFS = (
         MANY,
         "Along a motion: J t_dot = N s_ddot + bias, with s_ddot differentiated from `end_point`.",
     ),
-    Proof("solve", "solve", EXACT, MANY, "J times the twist of `solve` gives the rates back, for any S_i."),
+    Proof(
+        "solve",
+        "solve",
+        EXACT,
+        MANY,
+        "J times the twist of `solve` gives the rates back, for any S_i; its guards are det J_a and det J_n, "
+        "made dimensionless.",
+    ),
     Proof(
         "determinant of J",
         "type_2",

@@ -21,6 +21,30 @@ SOURCES = c_sources()
 ROBOTS: tuple[str, ...] = krhpr.generated.ROBOTS
 COMPILERS = ("gcc", "clang")
 
+
+def _cover(robots: Sequence[str]) -> frozenset[str]:
+    """Robots that have every sub-leg and every platform arrangement between them."""
+    seen: set[str] = set()
+    found = set()
+    for robot in robots:
+        space, rest = robot.split("_", 1)
+        subleg, _, arrangement = rest.rpartition("_")
+        parts = {f"{space}_{subleg}_", f"{space}__{arrangement}"}
+        if not parts <= seen:
+            found.add(robot)
+            seen |= parts
+    return frozenset(found)
+
+
+COVER = _cover(ROBOTS)
+
+
+def only_cover(robot: str, full: bool) -> None:
+    """Skip a robot whose parts others have, unless large samples are wanted."""
+    if not full and robot not in COVER:
+        pytest.skip("small samples: other robots have its sub-leg and its platform")
+
+
 CONFORMANCE = (
     "-std=c99",
     "-pedantic",

@@ -26,7 +26,7 @@ MAY_BE_NAN = (
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
     if not full and COMPILERS[ROBOTS.index(robot) % 2] != compiler and robot != ROBOTS[0]:
-        pytest.skip("small samples: one sanitizer for each robot, in turns; both for the first")
+        pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
     binary = build("hostile.c", robot, compiler, "-O1" if full else "-O0", "-g", *SANITIZE)
     run([binary, "100000" if full else "2000", *MAY_BE_NAN])
 

@@ -7,10 +7,11 @@ import subprocess
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import ROBOTS, run
+from tests.c.support import ROBOTS, only_cover, run
 
 
-def test_threads_agree_bit_by_bit(robot: str, compiler: str, build: Build) -> None:
+def test_threads_agree_bit_by_bit(robot: str, compiler: str, build: Build, full: bool) -> None:
+    only_cover(robot, full)
     run([build("threads.c", robot, compiler, "-O1", "-pthread")])
 
 

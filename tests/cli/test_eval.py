@@ -311,6 +311,15 @@ def test_wrong_options_are_explained(options: list[str], message: str, cli: Cli)
     assert message in result.err
 
 
+def test_an_unknown_backend_is_explained(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("KRHPR_BACKEND", "fortran")
+    result = cli("eval", "planar_rr_a", "inverse", stdin=json.dumps(POSE))
+    assert result.code == 2
+    assert result.err == (
+        "krhpr: no backend is called 'fortran' (KRHPR_BACKEND); there are auto, compiled, numpy\n"
+    )
+
+
 def test_a_mode_given_twice_is_explained(cli: Cli) -> None:
     result = cli("eval", "planar_rr_a", "inverse", "--mode", "elbow+", stdin=changed(mode="elbow-"))
     assert result.code == 2

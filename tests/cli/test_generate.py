@@ -14,6 +14,7 @@ import pytest
 import krhpr
 from krhpr.cli import generate
 from krhpr.codegen import output
+from krhpr.codegen.pipeline import TARGETS
 from tests.cli.support import Cli
 from tests.support import ROOT, contents, printed_files, run_python, unpack_package
 
@@ -103,7 +104,7 @@ def test_generating_repairs_the_folder_and_ends_with_one_table(site: Site) -> No
     )
     assert [line.split("  ")[-1] for line in run.stderr.splitlines()] == [
         *(f"derive {robot}" for robot in ROBOTS),
-        *(f"print {target}" for target in ("c", "python", "casadi")),
+        *(f"print {target.name}" for target in TARGETS),
         "report",
     ]
 

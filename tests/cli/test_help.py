@@ -26,7 +26,7 @@ def test_every_command_has_help_with_examples(name: str, cli: Cli) -> None:
     assert result.code == 0
     assert result.out.startswith(f"usage: krhpr {name}")
     assert f"krhpr {name}" in result.out.partition("examples:")[2]
-    assert max(map(len, result.out.splitlines())) <= 110
+    assert max(map(len, result.out.splitlines())) <= 90
 
 
 def test_version(cli: Cli) -> None:

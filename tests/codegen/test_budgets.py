@@ -10,7 +10,10 @@ import pytest
 from krhpr.codegen.pipeline import Derived
 from tools import record_budgets
 
-REMEDY = "where that is meant, run `python tools/record_budgets.py` and commit tests/codegen/budgets.json"
+REMEDY = (
+    "where that is meant, run `make budgets` (python tools/record_budgets.py) and commit "
+    "tests/codegen/budgets.json"
+)
 
 
 @pytest.fixture(scope="module")

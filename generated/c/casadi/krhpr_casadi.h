@@ -32,7 +32,7 @@ typedef struct {
     const char *out_name; /* "out_" and the name */
     int rows, columns;
     int blocks;
-    int is_branch; /* signs: not differentiated, and +1 unless given */
+    const double *signs; /* of a branch (mode, assembly), which is not differentiated: its default; else NULL */
     const casadi_int *pattern; /* sparsity: rows, columns, then 1 if dense, else column starts and row numbers */
     const casadi_int *empty; /* the same size without elements */
 } krhpr_casadi_slot;
@@ -78,7 +78,9 @@ static inline void krhpr_casadi_read(const krhpr_casadi_function *f, const casad
         const krhpr_casadi_slot *const slot = &f->in[i];
         for (int r = 0; r < slot->rows; ++r) {
             for (int c = 0; c < slot->columns; ++c) {
-                *x++ = arg[i] != NULL ? arg[i][c * slot->rows + r] : slot->is_branch ? 1.0 : 0.0;
+                const double given = arg[i] != NULL ? arg[i][c * slot->rows + r] : 0.0;
+                /* a sign that is 0 was not given */
+                *x++ = slot->signs != NULL && given == 0.0 ? slot->signs[r * slot->columns + c] : given;
             }
         }
     }
@@ -175,7 +177,7 @@ static inline int krhpr_casadi_differentiate(
         for (int o = 0; o < f->n_out; ++o) {
             wanted |= res[o * f->n_in + i] != NULL;
         }
-        for (int c = 0; wanted && !slot->is_branch && c < slot->rows * slot->columns; ++c) {
+        for (int c = 0; wanted && slot->signs == NULL && c < slot->rows * slot->columns; ++c) {
             d.in[d.count] = i;
             d.column[d.count] = c;
             d.place[d.count] = first + c % slot->rows * slot->columns + c / slot->rows;
@@ -221,13 +223,9 @@ static inline casadi_int krhpr_casadi_work(const krhpr_casadi_function *f, int j
     { \
         return i >= 0 && i < (f).n_out ? (f).out[i].out_name + 4 : NULL; \
     } \
-    KRHPR_CASADI_DEFINE(casadi_real, name, _default_in, (casadi_int i)) \
-    { \
-        return i >= 0 && i < (f).n_in ? (f).in[i].is_branch : 0; \
-    } \
     KRHPR_CASADI_DEFINE(int, name, _diff_in, (casadi_int i)) \
     { \
-        return i >= 0 && i < (f).n_in ? !(f).in[i].is_branch : -1; \
+        return i >= 0 && i < (f).n_in ? (f).in[i].signs == NULL : -1; \
     } \
     KRHPR_CASADI_DEFINE(const casadi_int *, name, _sparsity_in, (casadi_int i)) \
     { \

@@ -7,7 +7,8 @@
  *
  * Names, shapes and sparsity of arguments and results are those of ../../casadi/planar_rr_a.py.  Jacobians (jac_...) are
  * exact and have the robot's structure in their sparsity; there are none of second order, so that solvers take
- * hessian_approximation = "limited-memory".  `mode` and `assembly` are signs, not differentiated, and +1 unless given.
+ * hessian_approximation = "limited-memory".  `mode` and `assembly` are signs and not differentiated; where one is not
+ * given, or 0, it is the default.
  *
  * The geometry is a constant of this file: the default one, or that of a header of yours, named by
  * -DKRHPR_CASADI_GEOMETRY='"my_geometry.h"', which defines `static const krhpr_planar_rr_a_geometry geometry = {...};`.
@@ -165,12 +166,12 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_end_points[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_end_points[] = {
-    {"out_s", 3, 2, 1, 0, P6, P7},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
     P16, P17, P18
@@ -205,12 +206,12 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
 }
 
 static const krhpr_casadi_slot in_redundant_coordinates[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_redundant_coordinates[] = {
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
     P6, P4, P19
@@ -241,10 +242,10 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_forward[] = {
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_forward[] = {
-    {"out_s", 3, 2, 1, 0, P6, P7},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
     P20
@@ -276,12 +277,12 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_inverse[] = {
-    {"out_s", 3, 2, 1, 0, P6, P7},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 2, 2, 1, 0, P8, P9},
-    {"out_theta2", 2, 2, 1, 0, P8, P9},
-    {"out_theta3", 2, 2, 1, 0, P8, P9},
+    {"out_theta1", 2, 2, 1, NULL, P8, P9},
+    {"out_theta2", 2, 2, 1, NULL, P8, P9},
+    {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
     P21, P22, P23
@@ -316,13 +317,13 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_jacobian[] = {
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_jacobian[] = {
-    {"out_M1", 2, 2, 1, 0, P8, P9},
-    {"out_M2", 2, 2, 1, 0, P8, P9},
-    {"out_M3", 2, 2, 1, 0, P8, P9},
+    {"out_M1", 2, 2, 1, NULL, P8, P9},
+    {"out_M2", 2, 2, 1, NULL, P8, P9},
+    {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
     P24, P25, P26, P27, P28, P29
@@ -357,12 +358,12 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_constraints[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_constraints[] = {
-    {"out_residual", 3, 1, 1, 0, P4, P5},
+    {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
     P6, P4, P19
@@ -404,14 +405,14 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_jacobians[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_jacobians[] = {
-    {"out_J", 3, 3, 1, 0, P10, P11},
-    {"out_K", 3, 6, 3, 0, P12, P13},
+    {"out_J", 3, 3, 1, NULL, P10, P11},
+    {"out_K", 3, 6, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
     P30, P31, P32, P33, P34, P35, P36, P37
@@ -453,16 +454,16 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_jacobian_blocks[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
-    {"out_J", 3, 3, 1, 0, P10, P11},
-    {"out_K1", 1, 2, 1, 0, P14, P15},
-    {"out_K2", 1, 2, 1, 0, P14, P15},
-    {"out_K3", 1, 2, 1, 0, P14, P15},
+    {"out_J", 3, 3, 1, NULL, P10, P11},
+    {"out_K1", 1, 2, 1, NULL, P14, P15},
+    {"out_K2", 1, 2, 1, NULL, P14, P15},
+    {"out_K3", 1, 2, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
     P30, P31, P32, P33, P8, P0, P38, P39, P8, P0, P40, P41, P8, P0, P42, P43
@@ -503,13 +504,13 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_inverse[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
-    {"out_mode", 3, 1, 1, 1, P4, P5},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_mode", 3, 1, 1, mode_default, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse[] = {
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
     P44, P17, P18, P45
@@ -547,14 +548,14 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_inverse_all[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 2, 2, 1, 0, P8, P9},
-    {"out_theta2", 2, 2, 1, 0, P8, P9},
-    {"out_theta3", 2, 2, 1, 0, P8, P9},
+    {"out_theta1", 2, 2, 1, NULL, P8, P9},
+    {"out_theta2", 2, 2, 1, NULL, P8, P9},
+    {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
     P46, P47, P48, P46, P47, P49, P46, P47, P50
@@ -577,13 +578,13 @@ static int value_inverse_status(const double *x, double *y)
 }
 
 static const krhpr_casadi_slot in_inverse_status[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
-    {"out_mode", 3, 1, 1, 1, P4, P5},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_mode", 3, 1, 1, mode_default, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
-    {"out_excess", 3, 1, 1, 0, P4, P5},
+    {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_function function_inverse_status = {
     4, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
@@ -627,14 +628,14 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_twist[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
-    {"out_theta_dot", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_twist[] = {
-    {"out_twist", 3, 1, 1, 0, P4, P5},
+    {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
     P6, P4, P51, P52, P51
@@ -678,15 +679,15 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_joint_rates[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
-    {"out_twist", 3, 1, 1, 0, P4, P5},
-    {"out_redundant_rates", 3, 1, 1, 0, P4, P5},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_twist", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_rates[] = {
-    {"out_theta_dot", 3, 2, 1, 0, P6, P7},
+    {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
     P44, P17, P20, P53, P54, P18
@@ -749,16 +750,16 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
 }
 
 static const krhpr_casadi_slot in_platform_acceleration[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
-    {"out_twist", 3, 1, 1, 0, P4, P5},
-    {"out_theta_dot", 3, 2, 1, 0, P6, P7},
-    {"out_theta_ddot", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_twist", 3, 1, 1, NULL, P4, P5},
+    {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
+    {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_platform_acceleration[] = {
-    {"out_twist_rate", 3, 1, 1, 0, P4, P5},
+    {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
     P6, P4, P51, P52, P10, P51, P51
@@ -814,18 +815,18 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
 }
 
 static const krhpr_casadi_slot in_joint_accelerations[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
-    {"out_twist", 3, 1, 1, 0, P4, P5},
-    {"out_redundant_rates", 3, 1, 1, 0, P4, P5},
-    {"out_theta_dot", 3, 2, 1, 0, P6, P7},
-    {"out_twist_rate", 3, 1, 1, 0, P4, P5},
-    {"out_redundant_accelerations", 3, 1, 1, 0, P4, P5},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_twist", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
+    {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
+    {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_accelerations", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_accelerations[] = {
-    {"out_theta_ddot", 3, 2, 1, 0, P6, P7},
+    {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
     P44, P17, P20, P53, P54, P18, P20, P54, P18
@@ -872,14 +873,14 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_passive_joints[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_wrist", 3, 1, 1, 0, P4, P5},
-    {"out_platform_joint", 3, 1, 1, 0, P4, P5},
+    {"out_wrist", 3, 1, 1, NULL, P4, P5},
+    {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
     P6, P4, P19, P55, P6, P4, P19, P13
@@ -929,16 +930,16 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_singularity[] = {
-    {"out_p", 2, 1, 1, 0, P0, P1},
-    {"out_phi", 1, 1, 1, 0, P2, P3},
-    {"out_s", 3, 2, 1, 0, P6, P7},
-    {"out_theta", 3, 2, 1, 0, P6, P7},
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_singularity[] = {
-    {"out_type_1", 3, 1, 1, 0, P4, P5},
-    {"out_factors", 3, 1, 1, 0, P4, P5},
-    {"out_type_2", 1, 1, 1, 0, P2, P3},
-    {"out_margins", 1, 1, 1, 0, P2, P3},
+    {"out_type_1", 3, 1, 1, NULL, P4, P5},
+    {"out_factors", 3, 1, 1, NULL, P4, P5},
+    {"out_type_2", 1, 1, 1, NULL, P2, P3},
+    {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
     P7, P5, P19, P55, P7, P5, P19, P55, P14, P2, P56, P57, P14, P2, P56, P57

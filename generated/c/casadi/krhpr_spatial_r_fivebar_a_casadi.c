@@ -7,7 +7,8 @@
  *
  * Names, shapes and sparsity of arguments and results are those of ../../casadi/spatial_r_fivebar_a.py.  Jacobians (jac_...) are
  * exact and have the robot's structure in their sparsity; there are none of second order, so that solvers take
- * hessian_approximation = "limited-memory".  `mode` and `assembly` are signs, not differentiated, and +1 unless given.
+ * hessian_approximation = "limited-memory".  `mode` and `assembly` are signs and not differentiated; where one is not
+ * given, or 0, it is the default.
  *
  * The geometry is a constant of this file: the default one, or that of a header of yours, named by
  * -DKRHPR_CASADI_GEOMETRY='"my_geometry.h"', which defines `static const krhpr_spatial_r_fivebar_a_geometry geometry = {...};`.
@@ -241,10 +242,10 @@ static int value_rotation_error(const double *x, double *y)
 }
 
 static const krhpr_casadi_slot in_rotation_error[] = {
-    {"out_Q", 3, 3, 1, 0, P0, P1},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_rotation_error[] = {
-    {"out_error", 1, 1, 1, 0, P2, P3},
+    {"out_error", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_function function_rotation_error = {
     1, in_rotation_error, 1, out_rotation_error, value_rotation_error, NULL, NULL, NULL
@@ -270,12 +271,12 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_end_points[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_end_points[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
     P20, P21, P22
@@ -308,12 +309,12 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
 }
 
 static const krhpr_casadi_slot in_redundant_coordinates[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_redundant_coordinates[] = {
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
     P0, P23, P24
@@ -348,11 +349,11 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_forward[] = {
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_assembly", 3, 1, 1, 1, P4, P5},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_assembly", 3, 1, 1, assembly_default, P4, P5},
 };
 static const krhpr_casadi_slot out_subleg_forward[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
     P25, P26
@@ -383,12 +384,12 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_inverse[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 8, 3, 1, 0, P6, P7},
-    {"out_theta2", 8, 3, 1, 0, P6, P7},
-    {"out_theta3", 8, 3, 1, 0, P6, P7},
+    {"out_theta1", 8, 3, 1, NULL, P6, P7},
+    {"out_theta2", 8, 3, 1, NULL, P6, P7},
+    {"out_theta3", 8, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
     P27, P28, P29
@@ -427,13 +428,13 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_jacobian[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_jacobian[] = {
-    {"out_M1", 3, 3, 1, 0, P0, P1},
-    {"out_M2", 3, 3, 1, 0, P0, P1},
-    {"out_M3", 3, 3, 1, 0, P0, P1},
+    {"out_M1", 3, 3, 1, NULL, P0, P1},
+    {"out_M2", 3, 3, 1, NULL, P0, P1},
+    {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
     P30, P31, P32, P33, P34, P35
@@ -466,12 +467,12 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_constraints[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_constraints[] = {
-    {"out_residual", 6, 1, 1, 0, P8, P9},
+    {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
     P36, P37, P38
@@ -515,14 +516,14 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_jacobians[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobians[] = {
-    {"out_J", 6, 6, 1, 0, P10, P11},
-    {"out_K", 6, 9, 3, 0, P12, P13},
+    {"out_J", 6, 6, 1, NULL, P10, P11},
+    {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
     P39, P40, P41, P42, P43, P44, P45, P46
@@ -566,16 +567,16 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_jacobian_blocks[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
-    {"out_J", 6, 6, 1, 0, P10, P11},
-    {"out_K1", 2, 3, 1, 0, P14, P15},
-    {"out_K2", 2, 3, 1, 0, P14, P15},
-    {"out_K3", 2, 3, 1, 0, P14, P15},
+    {"out_J", 6, 6, 1, NULL, P10, P11},
+    {"out_K1", 2, 3, 1, NULL, P14, P15},
+    {"out_K2", 2, 3, 1, NULL, P14, P15},
+    {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
     P39, P40, P41, P42, P47, P48, P49, P50, P47, P48, P51, P52, P47, P48, P53, P54
@@ -613,13 +614,13 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_inverse[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
-    {"out_mode", 3, 3, 1, 1, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_mode", 3, 3, 1, mode_default, P0, P1},
 };
 static const krhpr_casadi_slot out_inverse[] = {
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
     P55, P56, P22, P57
@@ -654,14 +655,14 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_inverse_all[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 8, 3, 1, 0, P6, P7},
-    {"out_theta2", 8, 3, 1, 0, P6, P7},
-    {"out_theta3", 8, 3, 1, 0, P6, P7},
+    {"out_theta1", 8, 3, 1, NULL, P6, P7},
+    {"out_theta2", 8, 3, 1, NULL, P6, P7},
+    {"out_theta3", 8, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
     P58, P59, P60, P58, P59, P61, P58, P59, P62
@@ -684,13 +685,13 @@ static int value_inverse_status(const double *x, double *y)
 }
 
 static const krhpr_casadi_slot in_inverse_status[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
-    {"out_mode", 3, 3, 1, 1, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_mode", 3, 3, 1, mode_default, P0, P1},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
-    {"out_excess", 3, 1, 1, 0, P4, P5},
+    {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_function function_inverse_status = {
     4, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
@@ -737,14 +738,14 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_twist[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_twist[] = {
-    {"out_twist", 6, 1, 1, 0, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
     P36, P63, P63, P63, P63
@@ -791,15 +792,15 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_joint_rates[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_twist", 6, 1, 1, 0, P8, P9},
-    {"out_redundant_rates", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_rates[] = {
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
     P55, P64, P25, P65, P66, P22
@@ -865,16 +866,16 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
 }
 
 static const krhpr_casadi_slot in_platform_acceleration[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_twist", 6, 1, 1, 0, P8, P9},
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
-    {"out_theta_ddot", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
+    {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_platform_acceleration[] = {
-    {"out_twist_rate", 6, 1, 1, 0, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
     P36, P63, P63, P63, P10, P63, P63
@@ -933,18 +934,18 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
 }
 
 static const krhpr_casadi_slot in_joint_accelerations[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_twist", 6, 1, 1, 0, P8, P9},
-    {"out_redundant_rates", 3, 1, 1, 0, P4, P5},
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
-    {"out_twist_rate", 6, 1, 1, 0, P8, P9},
-    {"out_redundant_accelerations", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
+    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_accelerations", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_accelerations[] = {
-    {"out_theta_ddot", 3, 3, 1, 0, P0, P1},
+    {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
     P55, P64, P25, P25, P66, P22, P25, P66, P22
@@ -995,17 +996,17 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_passive_joints[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_passive", 3, 3, 1, 0, P0, P1},
-    {"out_spherical1", 3, 3, 1, 0, P0, P1},
-    {"out_spherical2", 3, 3, 1, 0, P0, P1},
-    {"out_spherical3", 3, 3, 1, 0, P0, P1},
-    {"out_platform_joint", 3, 1, 1, 0, P4, P5},
+    {"out_passive", 3, 3, 1, NULL, P0, P1},
+    {"out_spherical1", 3, 3, 1, NULL, P0, P1},
+    {"out_spherical2", 3, 3, 1, NULL, P0, P1},
+    {"out_spherical3", 3, 3, 1, NULL, P0, P1},
+    {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
     P26, P57, P25, P67, P68, P69, P70, P71, P68, P69, P72, P73, P68, P69, P74, P75, P0, P23, P24, P76
@@ -1060,16 +1061,16 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_singularity[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_singularity[] = {
-    {"out_type_1", 3, 1, 1, 0, P4, P5},
-    {"out_factors", 3, 4, 1, 0, P16, P17},
-    {"out_type_2", 2, 1, 1, 0, P18, P19},
-    {"out_margins", 2, 1, 1, 0, P18, P19},
+    {"out_type_1", 3, 1, 1, NULL, P4, P5},
+    {"out_factors", 3, 4, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P18, P19},
+    {"out_margins", 2, 1, 1, NULL, P18, P19},
 };
 static const casadi_int *const structure_singularity[] = {
     P1, P76, P24, P24, P77, P78, P79, P80, P14, P81, P82, P83, P14, P81, P82, P83

@@ -7,7 +7,8 @@
  *
  * Names, shapes and sparsity of arguments and results are those of ../../casadi/spatial_rrr_a.py.  Jacobians (jac_...) are
  * exact and have the robot's structure in their sparsity; there are none of second order, so that solvers take
- * hessian_approximation = "limited-memory".  `mode` and `assembly` are signs, not differentiated, and +1 unless given.
+ * hessian_approximation = "limited-memory".  `mode` and `assembly` are signs and not differentiated; where one is not
+ * given, or 0, it is the default.
  *
  * The geometry is a constant of this file: the default one, or that of a header of yours, named by
  * -DKRHPR_CASADI_GEOMETRY='"my_geometry.h"', which defines `static const krhpr_spatial_rrr_a_geometry geometry = {...};`.
@@ -225,10 +226,10 @@ static int value_rotation_error(const double *x, double *y)
 }
 
 static const krhpr_casadi_slot in_rotation_error[] = {
-    {"out_Q", 3, 3, 1, 0, P0, P1},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_rotation_error[] = {
-    {"out_error", 1, 1, 1, 0, P2, P3},
+    {"out_error", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_function function_rotation_error = {
     1, in_rotation_error, 1, out_rotation_error, value_rotation_error, NULL, NULL, NULL
@@ -254,12 +255,12 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_end_points[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_end_points[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
     P20, P21, P22
@@ -292,12 +293,12 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
 }
 
 static const krhpr_casadi_slot in_redundant_coordinates[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_redundant_coordinates[] = {
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
     P0, P23, P24
@@ -328,10 +329,10 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_forward[] = {
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_forward[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
     P25
@@ -363,12 +364,12 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_inverse[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 4, 3, 1, 0, P6, P7},
-    {"out_theta2", 4, 3, 1, 0, P6, P7},
-    {"out_theta3", 4, 3, 1, 0, P6, P7},
+    {"out_theta1", 4, 3, 1, NULL, P6, P7},
+    {"out_theta2", 4, 3, 1, NULL, P6, P7},
+    {"out_theta3", 4, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
     P26, P27, P28
@@ -405,13 +406,13 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_subleg_jacobian[] = {
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_jacobian[] = {
-    {"out_M1", 3, 3, 1, 0, P0, P1},
-    {"out_M2", 3, 3, 1, 0, P0, P1},
-    {"out_M3", 3, 3, 1, 0, P0, P1},
+    {"out_M1", 3, 3, 1, NULL, P0, P1},
+    {"out_M2", 3, 3, 1, NULL, P0, P1},
+    {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
     P29, P30, P31, P32, P33, P34
@@ -444,12 +445,12 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_constraints[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_constraints[] = {
-    {"out_residual", 6, 1, 1, 0, P8, P9},
+    {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
     P35, P36, P37
@@ -491,14 +492,14 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_jacobians[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobians[] = {
-    {"out_J", 6, 6, 1, 0, P10, P11},
-    {"out_K", 6, 9, 3, 0, P12, P13},
+    {"out_J", 6, 6, 1, NULL, P10, P11},
+    {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
     P38, P39, P40, P41, P42, P43, P44, P45
@@ -540,16 +541,16 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_jacobian_blocks[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
-    {"out_J", 6, 6, 1, 0, P10, P11},
-    {"out_K1", 2, 3, 1, 0, P14, P15},
-    {"out_K2", 2, 3, 1, 0, P14, P15},
-    {"out_K3", 2, 3, 1, 0, P14, P15},
+    {"out_J", 6, 6, 1, NULL, P10, P11},
+    {"out_K1", 2, 3, 1, NULL, P14, P15},
+    {"out_K2", 2, 3, 1, NULL, P14, P15},
+    {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
     P38, P39, P40, P41, P46, P47, P48, P49, P46, P47, P50, P51, P46, P47, P52, P53
@@ -588,13 +589,13 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_inverse[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
-    {"out_mode", 3, 2, 1, 1, P16, P17},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_mode", 3, 2, 1, mode_default, P16, P17},
 };
 static const krhpr_casadi_slot out_inverse[] = {
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
     P54, P55, P22, P56
@@ -630,14 +631,14 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_inverse_all[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 4, 3, 1, 0, P6, P7},
-    {"out_theta2", 4, 3, 1, 0, P6, P7},
-    {"out_theta3", 4, 3, 1, 0, P6, P7},
+    {"out_theta1", 4, 3, 1, NULL, P6, P7},
+    {"out_theta2", 4, 3, 1, NULL, P6, P7},
+    {"out_theta3", 4, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
     P57, P58, P59, P57, P58, P60, P57, P58, P61
@@ -660,13 +661,13 @@ static int value_inverse_status(const double *x, double *y)
 }
 
 static const krhpr_casadi_slot in_inverse_status[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_redundant", 3, 1, 1, 0, P4, P5},
-    {"out_mode", 3, 2, 1, 1, P16, P17},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_mode", 3, 2, 1, mode_default, P16, P17},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
-    {"out_excess", 3, 1, 1, 0, P4, P5},
+    {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_function function_inverse_status = {
     4, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
@@ -710,14 +711,14 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_twist[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_twist[] = {
-    {"out_twist", 6, 1, 1, 0, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
     P35, P62, P62, P63, P62
@@ -761,15 +762,15 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_joint_rates[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_twist", 6, 1, 1, 0, P8, P9},
-    {"out_redundant_rates", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_rates[] = {
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
     P54, P64, P25, P65, P66, P22
@@ -832,16 +833,16 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
 }
 
 static const krhpr_casadi_slot in_platform_acceleration[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_twist", 6, 1, 1, 0, P8, P9},
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
-    {"out_theta_ddot", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
+    {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_platform_acceleration[] = {
-    {"out_twist_rate", 6, 1, 1, 0, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
     P35, P62, P62, P63, P10, P62, P62
@@ -897,18 +898,18 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
 }
 
 static const krhpr_casadi_slot in_joint_accelerations[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
-    {"out_twist", 6, 1, 1, 0, P8, P9},
-    {"out_redundant_rates", 3, 1, 1, 0, P4, P5},
-    {"out_theta_dot", 3, 3, 1, 0, P0, P1},
-    {"out_twist_rate", 6, 1, 1, 0, P8, P9},
-    {"out_redundant_accelerations", 3, 1, 1, 0, P4, P5},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
+    {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
+    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_accelerations", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_accelerations[] = {
-    {"out_theta_ddot", 3, 3, 1, 0, P0, P1},
+    {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
     P54, P64, P25, P67, P66, P22, P25, P66, P22
@@ -955,16 +956,16 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_passive_joints[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_spherical1", 3, 3, 1, 0, P0, P1},
-    {"out_spherical2", 3, 3, 1, 0, P0, P1},
-    {"out_spherical3", 3, 3, 1, 0, P0, P1},
-    {"out_platform_joint", 3, 1, 1, 0, P4, P5},
+    {"out_spherical1", 3, 3, 1, NULL, P0, P1},
+    {"out_spherical2", 3, 3, 1, NULL, P0, P1},
+    {"out_spherical3", 3, 3, 1, NULL, P0, P1},
+    {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
     P68, P69, P70, P71, P68, P69, P72, P73, P68, P69, P74, P75, P0, P23, P24, P76
@@ -1016,16 +1017,16 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
 }
 
 static const krhpr_casadi_slot in_singularity[] = {
-    {"out_p", 3, 1, 1, 0, P4, P5},
-    {"out_Q", 3, 3, 1, 0, P0, P1},
-    {"out_s", 3, 3, 1, 0, P0, P1},
-    {"out_theta", 3, 3, 1, 0, P0, P1},
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_singularity[] = {
-    {"out_type_1", 3, 1, 1, 0, P4, P5},
-    {"out_factors", 3, 2, 1, 0, P16, P17},
-    {"out_type_2", 2, 1, 1, 0, P18, P19},
-    {"out_margins", 2, 1, 1, 0, P18, P19},
+    {"out_type_1", 3, 1, 1, NULL, P4, P5},
+    {"out_factors", 3, 2, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P18, P19},
+    {"out_margins", 2, 1, 1, NULL, P18, P19},
 };
 static const casadi_int *const structure_singularity[] = {
     P1, P76, P24, P77, P78, P13, P79, P80, P14, P81, P82, P83, P14, P81, P82, P83

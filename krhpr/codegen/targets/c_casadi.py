@@ -1,8 +1,8 @@
 """The shim by which `casadi.external` loads the compiled C: CasADi's C interface, with exact Jacobians.
 
-For each part there is a header with tangent twins of its kernels (`krhpr.codegen.tangent`), for each robot one
-source that holds all: the robot's C, its default geometry as constants, and for each kernel function the names that
-CasADi looks up.  A Jacobian runs the twins over the directions of the inputs, eight at a time.
+For each part there is a header with tangent twins of its kernels (`krhpr.codegen.tangent`), for each robot
+one source that holds all: the robot's C, its default geometry as constants, and for each kernel function the
+names that CasADi looks up.  A Jacobian runs the twins over the directions of the inputs, eight at a time.
 """
 
 from __future__ import annotations

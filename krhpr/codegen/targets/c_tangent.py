@@ -1,6 +1,7 @@
 """Tangent twins in C: of kernels (values once, then a loop over the directions) and of a robot's functions.
 
-A number with its derivatives is a `krhpr_dual`: `x[j].v` is the value, `x[j].t[k]` its derivative along direction k.
+A number with its derivatives is a `krhpr_dual`: `x[j].v` is the value, `x[j].t[k]` its derivative along
+direction k.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ DIRECTIONS = 8
 _IN_LOOP = re.compile(r"\.t\[k\]")
 
 
-# -- kernels ----------------------------------------------------------------------------------------------------
+# -- kernels ------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ def _statement(line: Line | Pair) -> str:
     return f"const double {line.name} = {line.expression};"
 
 
-# -- functions of a robot ---------------------------------------------------------------------------------------
+# -- functions of a robot -----------------------------------------------------------------------------------
 
 
 class TwinFunction:

@@ -60,7 +60,7 @@ class Slot:
         )
 
     def element(self, row: int, column: int) -> int:
-        """Where an element of the matrix stands in the port's array: blocks of a diagonal one after the other."""
+        """Where an element of the matrix stands in the port's array, blocks of a diagonal one by one."""
         high, wide = self.rows // self.blocks, self.columns // self.blocks
         return self.offset + (row // high) * high * wide + (row % high) * wide + column % wide
 

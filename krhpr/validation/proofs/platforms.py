@@ -22,6 +22,7 @@ from krhpr.validation.linear import (
     apply,
     cross,
     determinant,
+    dot,
     identity,
     matrix,
     minus,
@@ -187,12 +188,30 @@ def solving(subject: Subject, check: Check, count: int) -> Measured:
                 "point": gathered["point"],
                 "rate": rates,
             }
-            twist = evaluate_kernel(subject.derived("platform", "solve"), inputs, None, here.arithmetic)[
-                "twist"
-            ]
-            found.equal(apply(J, twist), rates, "J t")
+            result = evaluate_kernel(subject.derived("platform", "solve"), inputs, None, here.arithmetic)
+            found.equal(apply(J, result["twist"]), rates, "J t")
+            _regularity(subject, gathered, result["regularity"], found)
             found.samples += 1
     return found
+
+
+def _regularity(
+    subject: Subject, gathered: dict[str, list[Any]], regularity: list[Any], found: Measured
+) -> None:
+    """det J_a^2 and det J_n^2 over the largest values that they could have at these distances."""
+    points = matrix(gathered["point"], 2)
+    directions = [line[:2] for line in matrix(gathered["line"], 3 if subject.planar else 6)]
+    moments = [line[-1] for line in matrix(gathered["line"], 3 if subject.planar else 6)]
+    size = sum((dot(point, point) for point in points), Exact(0))
+    in_plane = determinant([[*line, moment] for line, moment in zip(directions, moments, strict=True)])
+    bound = size
+    for line in directions:
+        bound = bound * dot(line, line)
+    wanted = [in_plane * in_plane / bound]
+    if not subject.planar:
+        normal = determinant([[Exact(1), point[1], -point[0]] for point in points])
+        wanted.append(normal * normal / (size * size))
+    found.equal(regularity, wanted, "regularity")
 
 
 # -- determinants ----------------------------------------------------------------------------------

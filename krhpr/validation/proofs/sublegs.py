@@ -167,8 +167,15 @@ def products(subject: Subject, here: Configuration, leg: int, found: Measured) -
     rates = here.leg("theta_dot", leg)
     s_dot = apply(M, rates)
     found.equal(here.kernel("subleg", "velocity", leg, **at)["s_dot"], s_dot, "M theta_dot")
-    back = here.kernel("subleg", "rates", leg, **at, s_dot=s_dot)["theta_dot"]
-    found.equal(apply(M, back), s_dot, "M rates")
+    result = here.kernel("subleg", "rates", leg, **at, s_dot=s_dot)
+    found.equal(apply(M, result["theta_dot"]), s_dot, "M rates")
+    serial, _ = _factor_counts(subject.subleg)
+    factors = [abs(factor) for factor in here.kernel("subleg", "determinant", leg, **at)["factors"]]
+    found.equal(result["regularity"], [min(factors[:serial])], "regularity of rates")
+    for name in ("jacobian", "project", "velocity"):
+        kernel = here.kernel("subleg", name, leg, **at, N=flat_rows)
+        if "regularity" in kernel:
+            found.equal(kernel["regularity"], [min(factors[serial:])], f"regularity of {name}")
 
 
 # -- determinant -----------------------------------------------------------------------------------
