@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 EPILOG = """\
 examples:
-  krhpr generate                            write generated/ and compile every robot
-  krhpr generate --check                    write nothing; exit code 3 where a file would change
-  krhpr generate spatial_rrr_a --out arm    a Python package, and C with CMake
+  krhpr generate                          write generated/ and compile every robot
+  krhpr generate --check                  write nothing; exit code 3 where a file differs
+  krhpr generate spatial_rrr_a --out arm  a Python package, and C with CMake
 
 Files are moved into place when all of them are ready; an interrupted run leaves
 the old ones whole."""

@@ -335,11 +335,15 @@ def least_motion(functions: Callable[[str], Any], identifier: str) -> tuple[np.n
     IPOPT with approximate Hessians (externals have no second derivatives); type II margins stay positive.
     """
     end_points, inverse, singularity = (functions(name) for name in ("end_points", "inverse", "singularity"))
-    at = configurations(identifier, 5)[4]
     robot = krhpr.load(identifier, backend="numpy")
     mode = robot.mode_signs(robot.default_mode)
-    turn = at["phi" if robot.planar else "Q"]
-    steps = 4
+    steps, least, which = 4, 0.002, "phi" if robot.planar else "Q"
+
+    def margin(at: Mapping[str, np.ndarray]) -> float:
+        return float(robot.singularity(at["p"], at[which], at["s"], at["theta"]).margins.min())
+
+    at = next(at for at in configurations(identifier, 20) if margin(at) > 10 * least)
+    turn = at[which]
     redundant = ca.MX.sym("redundant", 3, steps)
     joints, limits = [ca.DM(at["theta"])], []
     direction = np.array([0.02, -0.01, 0.015])[: at["p"].size]
@@ -357,7 +361,7 @@ def least_motion(functions: Callable[[str], Any], identifier: str) -> tuple[np.n
     }
     solver = ca.nlpsol("solver", "ipopt", problem, options)
     guess = ca.repmat(ca.DM(at["redundant"]), steps, 1)
-    found = solver(x0=guess, lbg=0.02, ubg=ca.inf)
+    found = solver(x0=guess, lbg=least, ubg=ca.inf)
     at_guess = ca.Function("cost", [problem["x"]], [cost])(guess)
     return found["x"].full().ravel(), float(found["f"]), solver.stats()["return_status"], float(at_guess)
 

@@ -1,0 +1,233 @@
+"""Would the validation notice?  Mistakes are planted, and a named check must fail for each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from krhpr.derivations.catalogue import catalogue
+from krhpr.derivations.sublegs.base import Forward, VelocityEquations
+from krhpr.validation.check import Kind, Target
+from krhpr.validation.subject import Subject
+from tests.validation.mutants import (
+    changed,
+    changed_at,
+    changed_template,
+    changed_text,
+    failing,
+    first_failure,
+    formula_places,
+    mutable_nodes,
+    mutated,
+    printed,
+    sample,
+    with_parts,
+)
+from tests.validation.support import IDENTIFIERS, subject
+
+ENTRIES = {entry.identifier: entry for entry in catalogue()}
+
+
+# -- derivations -----------------------------------------------------------------------------------
+
+
+def _velocity(row: int, column: int, matrix: str = "B") -> Any:
+    """A sign error in one element of A or B."""
+
+    def change(found: VelocityEquations) -> VelocityEquations:
+        wrong = sp.Matrix(getattr(found, matrix))
+        wrong[row, column] = -wrong[row, column]
+        values = {**vars(found), matrix: wrong}
+        return VelocityEquations(**values)
+
+    return change
+
+
+def _determinant(found: VelocityEquations) -> VelocityEquations:
+    return VelocityEquations(**{**vars(found), "determinant": -found.determinant})
+
+
+def _forward(found: Forward) -> Forward:
+    return Forward(found.s, {**found.posture, "d": -found.posture["d"]}, found.radicand)
+
+
+SUBLEGS: dict[str, tuple[str, dict[str, Any], str]] = {
+    "(2.15), a sign": ("spatial_rrr_a", {"velocity": _velocity(1, 1)}, "velocity equations"),
+    "(1.13), a sign": ("spatial_r_fivebar_a", {"velocity": _velocity(2, 1)}, "thesis matrices"),
+    "(1.12), a sign": ("spatial_r_fivebar_a", {"velocity": _velocity(0, 0)}, "velocity equations"),
+    "(1.10), a sign": ("spatial_r_fivebar_a", {"velocity": _velocity(2, 0, "A")}, "accelerations"),
+    "M of the plane": ("planar_rr_a", {"velocity": _velocity(0, 1)}, "velocity equations"),
+    "det M, its sign": ("spatial_r_fivebar_a", {"velocity": _determinant}, "determinant of M"),
+    "posture": ("spatial_rrr_a", {"forward": _forward}, "forward closes"),
+    "forward": (
+        "planar_rr_a",
+        {"forward": lambda found: Forward(-found.s, found.posture)},
+        "accelerations",
+    ),
+    "closure, consistently wrong": (
+        "spatial_rrr_a",
+        {"geometry": None},
+        "first principles",
+    ),
+    "inverse, theta_1": (
+        "spatial_rrr_a",
+        {"inverse": lambda found: ([-found[0][0], *found[0][1:]], found[1])},
+        "inverse closes",
+    ),
+    "inverse, theta_3": (
+        "spatial_r_fivebar_a",
+        {"inverse": lambda found: ([*found[0][:2], -found[0][2]], found[1])},
+        "inverse closes",
+    ),
+    "reach": ("planar_rr_a", {"reach": lambda found: -found}, "reach"),
+}
+
+PLATFORMS: dict[str, tuple[str, dict[str, Any], str]] = {
+    "direction": ("spatial_rrr_a", {"direction": lambda found: -found}, "rows"),
+    "anchor": ("spatial_rrr_c", {"anchor": lambda found: -found}, "thesis rows"),
+    "residual": ("spatial_rrr_c", {"residual": lambda found: -found}, "rows"),
+    "end point": ("planar_rr_a", {"end_point": lambda found: -found}, "closure"),
+    "redundant coordinate": ("spatial_rrr_a", {"redundant": lambda found: -found}, "closure"),
+    "end velocity": (
+        "spatial_rrr_a",
+        {"end_velocity": lambda found: -found},
+        "end velocity and acceleration",
+    ),
+    "closed form of det J": (
+        "spatial_rrr_c",
+        {"closed_form": lambda found: [found[0], -found[1]]},
+        "determinant of J",
+    ),
+    "margins": ("spatial_rrr_a", {"margins": lambda found: [-found[0], found[1]]}, "equilateral"),
+    "redundant link": ("planar_rr_a", {"joint": lambda found: -found}, "joint"),
+}
+
+
+@pytest.mark.parametrize("what", SUBLEGS)
+def test_a_mistake_in_a_sub_leg_is_found(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    identifier, methods, name = SUBLEGS[what]
+    part = ENTRIES[identifier].robot.subleg
+    if methods == {"geometry": None}:
+        # the links lie on the other side of the first axis: closure, forward, inverse and velocities agree with it
+        from krhpr.derivations.sublegs import rrr
+
+        monkeypatch.setattr(rrr, "in_plane", lambda angle: sp.Matrix([sp.cos(angle), -sp.sin(angle)]))
+        wrong = with_parts(ENTRIES[identifier])
+    else:
+        wrong = with_parts(ENTRIES[identifier], subleg=changed(part, **methods))
+    failures = failing(wrong, Kind.PROOF, [name])
+    assert [result.check.name for result in failures] == [name]
+
+
+@pytest.mark.parametrize("what", PLATFORMS)
+def test_a_mistake_in_an_arrangement_is_found(what: str) -> None:
+    identifier, methods, name = PLATFORMS[what]
+    part = ENTRIES[identifier].robot.platform
+    wrong = with_parts(ENTRIES[identifier], platform=changed(part, **methods))
+    assert [result.check.name for result in failing(wrong, Kind.PROOF, [name])] == [name]
+
+
+# -- graphs ----------------------------------------------------------------------------------------
+
+# What a guard compares with zero need not be right in size: only where it changes its sign is proven.
+GUARDS = {"radicand", "excess"}
+
+
+@pytest.mark.parametrize("identifier", ["spatial_r_fivebar_a", "spatial_rrr_c", "planar_rr_a"])
+def test_an_exchanged_operation_in_a_kernel_is_found(identifier: str, full: bool) -> None:
+    survivors = []
+    right = subject(identifier)
+    for key in ("subleg", "platform"):
+        for kernel in right.code.parts[key].kernels:
+            derived = right.derived(key, kernel.name)
+            for where in sample(mutable_nodes(derived, GUARDS), 25 if full else 2, 7):
+                wrong = mutated(derived, where)
+                if wrong is None:
+                    continue
+                mutant = Subject(right.entry)
+                mutant.derived(key, kernel.name)
+                mutant._derived[key][kernel.name] = wrong
+                if not _noticed(mutant, f"{key}.{kernel.name}"):
+                    survivors.append(f"{key}.{kernel.name}: node {where}, {derived.graph.nodes[where]}")
+    assert not survivors
+
+
+def _noticed(mutant: Subject, function: str) -> bool:
+    from krhpr.validation.outcome import State
+    from krhpr.validation.plan import plan
+    from krhpr.validation.run import carry_out
+
+    checks = [c for c in plan(mutant.code) if c.kind is Kind.PROOF and c.shared]
+    first = [c for c in checks if function in (c.function, *c.also)]
+    return any(
+        carry_out(mutant, check, "small").state is State.FAILED
+        for check in (*first, *(c for c in checks if c not in first))
+    )
+
+
+# -- templates -------------------------------------------------------------------------------------
+
+TEMPLATES = [
+    ("c/inverse_near.c.j2", "+ 0.5)", "+ 0.25)", Target.C),
+    ("c/inverse_near.c.j2", "distance < nearest", "distance > nearest", Target.C),
+    ("python/runtime.py.j2", "np.argmin(", "np.argmax(", Target.NUMPY),
+    ("python/runtime.py.j2", "goal - found", "found - goal", Target.NUMPY),
+    ("casadi/runtime.py.j2", "parts[size * leg : size * (leg + 1)]", "parts[:size]", Target.CASADI),
+    ("casadi/runtime.py.j2", "ca.diagcat(*blocks)", "ca.diagcat(*reversed(blocks))", Target.CASADI),
+]
+
+
+@pytest.mark.parametrize(("name", "old", "new", "target"), TEMPLATES)
+def test_a_mistake_in_a_template_is_found(
+    name: str, old: str, new: str, target: Target, tmp_path: Path
+) -> None:
+    entry = ENTRIES["planar_rr_a"]
+    with changed_template(name, old, new):
+        folder = printed([entry], tmp_path / "generated")
+    assert first_failure(Subject(entry, folder), Kind.IDENTITY, target) is not None
+    right = printed([entry], tmp_path / "right")
+    assert first_failure(Subject(entry, right), Kind.IDENTITY, target, ["inverse_near"]) is None or full_runs(
+        target
+    )
+
+
+def full_runs(target: Target) -> bool:
+    """The right templates pass; that is tested elsewhere for every function."""
+    return False
+
+
+# -- printed texts ---------------------------------------------------------------------------------
+
+TEXTS = {
+    Target.C: (r"    (const double|\*?\w+(\[\d+\])?) .*=|    \*?\w+(\[\d+\])? = ", r"\bint\b|status"),
+    Target.NUMPY: (r"    (    )?\w+ = |        -?\(?\w.*,$", r"rt\.|= \w+$"),
+    Target.CASADI: (r"    (    )?\w+ = |        -?\(?\w.*,$", r"rt\.|= \w+$"),
+}
+FOLDERS = {
+    Target.C: "c/krhpr_{}.h",
+    Target.NUMPY: "python/{}.py",
+    Target.CASADI: "casadi/{}.py",
+}
+
+
+@pytest.mark.parametrize("target", TEXTS)
+@pytest.mark.parametrize("identifier", IDENTIFIERS)
+def test_a_mistake_in_a_printed_text_is_found(
+    identifier: str, target: Target, full: bool, tmp_path: Path
+) -> None:
+    right = subject(identifier)
+    survivors = []
+    for part in (right.code.subleg, right.code.platform):
+        path = FOLDERS[target].format(part.name)
+        text = (right.folder / path).read_text(encoding="utf-8")
+        places = formula_places(text, *TEXTS[target])
+        assert len(places) > 50
+        for index, place in enumerate(sample(places, 12 if full else 2, 5)):
+            wrong, line = changed_at(text, place)
+            folder = changed_text(tmp_path / f"{part.name}_{index}", path, wrong)
+            if first_failure(Subject(right.entry, folder), Kind.IDENTITY, target) is None:
+                survivors.append(f"{path}: {line}")
+    assert not survivors
