@@ -106,7 +106,8 @@ def _name(node: ast.stmt) -> str:
 def _c_function(text: str, name: str) -> str:
     """A C function's definition with the comment above it."""
     lines = text.splitlines()
-    starts = [i for i, line in enumerate(lines) if re.match(rf"(KRHPR_\w+ )?(static inline )?\w+ \*?{name}\(", line)]
+    definition = re.compile(rf"(KRHPR_\w+ )?(static inline )?\w+ \*?{name}\(")
+    starts = [i for i, line in enumerate(lines) if definition.match(line)]
     starts = [i for i in starts if not lines[i].rstrip().endswith(";")]
     if not starts:
         raise SystemExit(f"no function is called {name!r} there")
