@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import settings
 
+from krhpr.native import NoCompiler, extension_path, find_compiler
+
 # The same examples on every run and machine; no deadline, as kernels are compiled or derived on first use.
 settings.register_profile("small", deadline=None, derandomize=True, max_examples=50)
 settings.register_profile("full", deadline=None, derandomize=True, max_examples=1000)
@@ -18,7 +20,26 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("full" if config.getoption("--full") else "small")
 
 
+def no_compiler() -> str:
+    """Why there are no compiled kernels here; empty where there are."""
+    try:
+        find_compiler()
+        extension_path()
+    except NoCompiler as error:
+        return str(error)
+    return ""
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    reason = no_compiler()
+    if reason:
+        skip = pytest.mark.skip(reason=f"compiled kernels cannot be tested here: {reason}")
+        for item in items:
+            parameters = getattr(item, "callspec", None)
+            if item.get_closest_marker("compiler") or (
+                parameters is not None and "compiled" in parameters.params.values()
+            ):
+                item.add_marker(skip)
     if config.getoption("--full"):
         return
     left_out = [item for item in items if item.get_closest_marker("full")]

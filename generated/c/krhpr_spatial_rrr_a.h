@@ -8,7 +8,7 @@
  *
  * Arrays are row-major; rows of leg-wise arrays are legs.  Angles are in radians, lengths in one unit of your choice
  * (defaults in metres).  Every function returns a krhpr_status, allocates nothing, keeps no state and may be called
- * from several threads.  Where there is no answer the outputs are NaN.
+ * from several threads.  Where there is no answer the outputs are NaN.  Nothing overflows while inputs are below 1e30.
  *
  * Working modes (signs shoulder, elbow):
  *   front/elbow+             {1, 1}

@@ -188,7 +188,7 @@ def nearest_mode(subject: Subject, inputs: Inputs, geometry: Fields, arithmetic:
     return result
 
 
-# -- kernels that no function calls ----------------------------------------------------------------
+# -- kernels by themselves -----------------------------------------------------------------
 
 
 def kernel_text(subject: Subject, check: Check, count: int) -> Measured:

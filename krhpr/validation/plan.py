@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from krhpr.codegen.composition import RobotCode, RobotFunction, kernels_used
+from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.graph import Op
 from krhpr.codegen.kernel import Kernel
 from krhpr.validation.check import (
@@ -162,23 +162,21 @@ def _identity(robot: RobotCode) -> Iterator[Check]:
                 _identity_statement(function),
                 "printed text",
             )
-    used = kernels_used(tuple(function for function in robot.functions if function.calls), robot.parts)
     for key, part in robot.parts.items():
         for kernel in part.kernels:
-            if kernel not in used[key]:
-                for target in PRINTED:
-                    yield Check(
-                        Kind.IDENTITY,
-                        robot.identifier,
-                        f"{key}.{kernel.name}",
-                        target,
-                        _closeness(has_roots(kernel)),
-                        FEW,
-                        "The printed kernel, which no function of a robot calls, equals the derivation.",
-                        "kernel text",
-                        (),
-                        part.name,
-                    )
+            for target in PRINTED:
+                yield Check(
+                    Kind.IDENTITY,
+                    robot.identifier,
+                    f"{key}.{kernel.name}",
+                    target,
+                    _closeness(has_roots(kernel)),
+                    FEW,
+                    "The printed kernel equals the derivation, the values that functions guard included.",
+                    "kernel text",
+                    (),
+                    part.name,
+                )
     for target in PRINTED:
         yield Check(
             Kind.IDENTITY,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from fractions import Fraction
 from itertools import count
@@ -24,10 +24,11 @@ import numpy as np
 
 from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
+from krhpr.codegen.phases import split
 from krhpr.validation import casadi_exact
 from krhpr.validation.c_interpreter import Array, CProgram
 from krhpr.validation.check import Target
-from krhpr.validation.numbers import Arithmetic, cos, sin
+from krhpr.validation.numbers import Arithmetic, arctan2, cos, sin
 from krhpr.validation.numpy_exact import exact_numpy
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 
@@ -160,7 +161,8 @@ def run_casadi(
     built = casadi_function(subject, function)
     arguments: list[Any] = [_rows(inputs[port.name], port) for port in function.inputs]
     arguments.append([geometry[name][leg] for leg in range(LEGS) for name in subject.fields])
-    constants = _constants(subject, function)
+    parts = subject.code.parts
+    constants = _constants(subject, (parts[call.part].kernel(call.kernel) for call in function.calls))
     matrices = casadi_exact.evaluate(built, arguments, arithmetic, lambda value: constants.get(value, value))
     found = dict(zip(built.name_out(), matrices, strict=True))
     return {
@@ -184,13 +186,11 @@ def unpack(port: Port, matrix: Callable[[str], Any]) -> list[Any]:
     return list(matrix(port.name))
 
 
-def _constants(subject: Subject, function: RobotFunction) -> dict[float, Fraction]:
+def _constants(subject: Subject, kernels: Iterable[Kernel]) -> dict[float, Fraction]:
     """The fractions of the derivation that CasADi knows as the nearest double."""
-    kernels = [subject.code.parts[call.part].kernel(call.kernel) for call in function.calls]
-    kernels += [part.geometry.prepare for part in subject.code.parts.values() if part.geometry is not None]
-    values = [
-        node.value for kernel in kernels for _, node in kernel.graph if isinstance(node.value, Fraction)
-    ]
+    prepared = [part.geometry.prepare for part in subject.code.parts.values() if part.geometry is not None]
+    graphs = [kernel.graph for kernel in (*kernels, *prepared)]
+    values = [node.value for graph in graphs for _, node in graph if isinstance(node.value, Fraction)]
     return {float(value): value for value in values}
 
 
@@ -200,21 +200,27 @@ def _constants(subject: Subject, function: RobotFunction) -> dict[float, Fractio
 def c_kernel(
     subject: Subject, key: str, kernel: Kernel, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
 ) -> Outputs:
-    """A kernel of the C text; its sines and cosines are computed first, from the angles that it names."""
+    """A kernel of the C text, with its sines and cosines before it and its arctangents after it."""
     program = c_program(subject, arithmetic)
-    symbol = f"krhpr_{subject.code.parts[key].name}_{kernel.name}"
-    values: dict[str, Any] = {port.name: inputs[port.name] for port in kernel.inputs}
-    values = {port.name: values[port.name] if port.shape else values[port.name][0] for port in kernel.inputs}
+    part = subject.code.parts[key]
+    phases = split(part.kernel(kernel.name))
+    symbol = f"krhpr_{part.name}_{kernel.name}"
+    values: dict[str, Any] = {
+        port.name: inputs[port.name] if port.shape else inputs[port.name][0] for port in kernel.inputs
+    }
     if kernel.geometry is not None:
         values["g"] = getattr(c_geometry(subject, geometry, program), key)[0]
-    if f"{symbol}_angles" in program.functions:
+    if phases.angles is not None:
+        angles = Array.unset(phases.angles.outputs[0].size, "angle")
         names = program.parameters(f"{symbol}_angles")
-        angles = Array.unset(kernel.operations.sine_cosine, "angle")
         program.call(f"{symbol}_angles", *(angles if name == "angle" else values[name] for name in names))
         values |= {"sine": [sin(angle) for angle in angles], "cosine": [cos(angle) for angle in angles]}
-    results = {port.name: Array.unset(port.size, port.name) for port in kernel.outputs}
+    results = {port.name: Array.unset(port.size, port.name) for port in phases.body.outputs}
     program.call(symbol, *({**values, **results}[name] for name in program.parameters(symbol)))
-    return {name: list(array) for name, array in results.items()}
+    found = {name: list(array) for name, array in results.items()}
+    for tail in phases.tails:
+        found[tail.port.name] = [arctan2(found["tail_y"][slot], found["tail_x"][slot]) for slot in tail.slots]
+    return found
 
 
 def numpy_kernel(
@@ -243,7 +249,8 @@ def casadi_kernel(
     outputs = [casadi.vertcat(*part) for part in parts]
     built = casadi.Function(kernel.name, [*fields.values(), *symbols.values()], outputs)
     values = [*([entry[0]] for entry in geometry.values()), *(inputs[port.name] for port in kernel.inputs)]
-    matrices = casadi_exact.evaluate(built, values, arithmetic)
+    constants = _constants(subject, [subject.code.parts[key].kernel(kernel.name)])
+    matrices = casadi_exact.evaluate(built, values, arithmetic, lambda value: constants.get(value, value))
     return {port.name: [row[0] for row in rows] for port, rows in zip(kernel.outputs, matrices, strict=True)}
 
 

@@ -458,6 +458,15 @@ INVARIANTS = (
         ("end_points",),
     ),
     Rule(
+        "singular configurations",
+        "twist",
+        EXACT,
+        Samples(10, 300),
+        "Where a leg is straight, or the platform's lines or end points are dependent, the status says so "
+        "and only what depends on it is NaN.",
+        ("joint_rates", "platform_acceleration", "joint_accelerations"),
+    ),
+    Rule(
         "status of inverse",
         "inverse_status",
         EXACT,

@@ -173,9 +173,7 @@ def _complete(
     if assemblies.size:
         values["assembly"] = _assemblies(subject, values, geometry, assemblies)
     turns = rng.integers(-2, 3, values["theta"].shape) * np.array(subject.code.angular)
-    values["theta_near"] = (
-        values["theta"] + rng.uniform(-0.05, 0.05, values["theta"].shape) + 2 * np.pi * turns
-    )
+    values["theta_near"] = values["theta"] + rng.uniform(-2.5, 2.5, values["theta"].shape) + 2 * np.pi * turns
     return {name: array[good] for name, array in values.items()}
 
 

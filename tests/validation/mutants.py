@@ -26,7 +26,7 @@ from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robots import Robot
 from krhpr.derivations.sublegs.base import SubLeg
-from krhpr.validation.check import Kind, Target
+from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.outcome import State
 from krhpr.validation.plan import plan
 from krhpr.validation.run import Result, carry_out
@@ -58,17 +58,19 @@ def failing(subject: Subject, kind: Kind, names: Iterable[str] | None = None) ->
     return [result for result in results if result.state is State.FAILED]
 
 
-def first_failure(
-    subject: Subject, kind: Kind, target: Target, functions: Iterable[str] = ()
-) -> Result | None:
-    """The first check of a kind on a target that fails; those of some functions are tried first."""
-    wanted = set(functions)
+def first_failure(subject: Subject, kind: Kind, target: Target, part: str = "") -> Result | None:
+    """The first check of a kind on a target that fails; those of a part's kernels are tried first."""
     checks = [check for check in plan(subject.code) if check.kind is kind and check.target is target]
-    for check in sorted(checks, key=lambda check: check.function not in wanted):
+    for check in sorted(checks, key=lambda check: check.shared != part):
         result = carry_out(subject, check, "small")
         if result.state is State.FAILED:
             return result
     return None
+
+
+def failed(subject: Subject, check: Check) -> bool:
+    """Whether a check fails on small samples."""
+    return carry_out(subject, check, "small").state is State.FAILED
 
 
 # -- graphs ----------------------------------------------------------------------------------------
@@ -160,7 +162,7 @@ _WORDS = {
 
 
 def formula_places(text: str, start: str, stop: str = "") -> list[tuple[int, int, str]]:
-    """Where a formula of a printed text can be changed: lines that compute, but not declarations or comments."""
+    """Where a formula of a printed text can be changed: on lines that compute, outside of comments."""
     places = []
     offset = 0
     for line in text.splitlines(keepends=True):
