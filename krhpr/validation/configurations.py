@@ -190,13 +190,19 @@ def _rrr(source: Draw, s: list[Any]) -> Leg:
 
 
 def _r_fivebar(source: Draw, s: list[Any]) -> Leg:
-    lengths = {"l_4": source.length(), "l_5": source.length(), "l_6": source.length()}
-    theta_2, distal = source.angle(), source.angle()
-    u_1 = [lengths["l_4"] * x for x in _direction(theta_2)]
-    v_1 = [lengths["l_6"] * x for x in _direction(distal)]
-    ratio = 1 - lengths["l_5"] / lengths["l_6"]
-    pivot = [a + ratio * b for a, b in zip(u_1, v_1, strict=True)]
-    lengths["l_2"], lengths["l_3"], theta_3, _ = _resolve(pivot, source.angle(), source.angle())
+    while True:
+        lengths = {"l_4": source.length(), "l_5": source.length(), "l_6": source.length()}
+        theta_2, distal = source.angle(), source.angle()
+        u_1 = [lengths["l_4"] * x for x in _direction(theta_2)]
+        v_1 = [lengths["l_6"] * x for x in _direction(distal)]
+        ratio = 1 - lengths["l_5"] / lengths["l_6"]
+        pivot = [a + ratio * b for a, b in zip(u_1, v_1, strict=True)]
+        first, second = source.angle(), source.angle()
+        # regular: no two of the links that meet are in line, and the rod's pivot is not the crank's
+        in_line = [(theta_2 - distal).sin(), (first - second).sin(), (distal - second).sin()]
+        if ratio != 0 and all(sine != 0 for sine in in_line):
+            break
+    lengths["l_2"], lengths["l_3"], theta_3, _ = _resolve(pivot, first, second)
     fields, theta_1 = _on_first_axis(source, s, [a + b for a, b in zip(u_1, v_1, strict=True)], lengths)
     return fields, [theta_1, theta_2, theta_3]
 

@@ -28,8 +28,12 @@ class Draw:
         self.random = Random(seed)
 
     def rational(self, low: float = -1.0, high: float = 1.0) -> Exact:
-        """A rational number between two bounds, with a denominator below a hundred."""
-        denominator = self.random.randint(11, 97)
+        """A rational number between two bounds.
+
+        Denominators of six digits: two draws are then never equal by chance, so that no sample falls on a
+        singular configuration, where formulas divide by zero.
+        """
+        denominator = self.random.randint(100_003, 999_983)
         numerator = self.random.randint(int(low * denominator), int(high * denominator))
         return Exact(Fraction(numerator, denominator))
 

@@ -91,8 +91,7 @@ def _expect_ok(status: int, function: RobotFunction) -> None:
 # -- NumPy -----------------------------------------------------------------------------------------
 
 _copies = count()
-_kept: list[ExitStack] = []
-_modules: dict[tuple[Path, str, str], ModuleType] = {}
+_modules: dict[tuple[Path, str, str], tuple[ModuleType, ExitStack]] = {}
 
 
 def numpy_module(subject: Subject, arithmetic: Arithmetic) -> ModuleType:
@@ -110,9 +109,8 @@ def numpy_module(subject: Subject, arithmetic: Arithmetic) -> ModuleType:
         stack = ExitStack()
         involved = [module, module.rt, module.subleg, module.platform, module.algebra]
         stack.enter_context(exact_numpy(*involved, arithmetic=arithmetic))
-        _kept.append(stack)
-        _modules[key] = module
-    return _modules[key]
+        _modules[key] = module, stack
+    return _modules[key][0]
 
 
 def run_numpy(
@@ -259,3 +257,16 @@ KERNELS = {Target.C: c_kernel, Target.NUMPY: numpy_kernel, Target.CASADI: casadi
 
 PRINTED = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
 """How each printed target is run."""
+
+
+def forget(folder: Path) -> None:
+    """Drop what is kept of the texts in a folder: a parsed program takes some fifty megabytes."""
+    for kept in (_programs, _modules, _functions):
+        for key in [key for key in kept if key[0] == folder]:
+            value = kept.pop(key)
+            if isinstance(value, tuple):
+                module, stack = value
+                stack.close()
+                prefix = module.__name__.rpartition(".")[0]
+                for name in [name for name in sys.modules if name == prefix or name.startswith(f"{prefix}.")]:
+                    del sys.modules[name]

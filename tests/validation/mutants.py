@@ -29,6 +29,7 @@ from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.outcome import State
 from krhpr.validation.plan import plan
+from krhpr.validation.printed import forget
 from krhpr.validation.run import Result, carry_out
 from krhpr.validation.subject import GENERATED, Subject
 
@@ -61,11 +62,15 @@ def failing(subject: Subject, kind: Kind, names: Iterable[str] | None = None) ->
 def first_failure(subject: Subject, kind: Kind, target: Target, part: str = "") -> Result | None:
     """The first check of a kind on a target that fails; those of a part's kernels are tried first."""
     checks = [check for check in plan(subject.code) if check.kind is kind and check.target is target]
-    for check in sorted(checks, key=lambda check: check.shared != part):
-        result = carry_out(subject, check, "small")
-        if result.state is State.FAILED:
-            return result
-    return None
+    try:
+        for check in sorted(checks, key=lambda check: check.shared != part):
+            result = carry_out(subject, check, "small")
+            if result.state is State.FAILED:
+                return result
+        return None
+    finally:
+        if subject.folder != GENERATED:
+            forget(subject.folder)
 
 
 def failed(subject: Subject, check: Check) -> bool:
