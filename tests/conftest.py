@@ -9,7 +9,7 @@ from krhpr.native import NoCompiler, extension_path, find_compiler
 
 # The same examples on every run and machine; no deadline, as kernels are compiled or derived on first use.
 settings.register_profile("small", deadline=None, derandomize=True, max_examples=50)
-settings.register_profile("full", deadline=None, derandomize=True, max_examples=1000)
+settings.register_profile("full", deadline=None, derandomize=True, max_examples=300)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
