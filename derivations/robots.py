@@ -117,11 +117,11 @@ class _Functions:
         """Sines and cosines of the leg's joints and its vectors, for the kernels that follow."""
         return self._on_leg("subleg", "posture")
 
-    def _parallel_guard(self) -> tuple[Guard, ...]:
+    def _parallel_guard(self, variable: str = "regularity") -> tuple[Guard, ...]:
         """A sub-leg with a closed loop has configurations in which M_i does not exist."""
         if not self.robot.subleg.has_parallel_factors():
             return ()
-        return (Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
+        return (Guard(variable, 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
 
     def _serial_guard(self) -> Guard:
         return Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1)
@@ -335,9 +335,7 @@ class _Functions:
             self._on_leg("platform", "line"),
             self._on_leg("subleg", "bias"),
             self._posture(),
-            self._on_leg(
-                "subleg", "velocity", {"s_dot": "along", "regularity": "regularity"}, theta_dot="theta_ddot"
-            ),
+            self._on_leg("subleg", "velocity", {"s_dot": "along"}, theta_dot="theta_ddot"),
             self._on_leg("algebra", "sum"),
             self._on_leg("platform", "row_bias", {"bias": "row_bias"}),
             self._on_leg("algebra", "rate_with_bias", bias="row_bias"),
@@ -363,7 +361,7 @@ class _Functions:
     def _joint_accelerations(self) -> RobotFunction:
         calls = (
             self._on_leg("platform", "end_acceleration"),
-            self._on_leg("subleg", "bias", {"s_dot": "s_dot_again"}),
+            self._on_leg("subleg", "bias", {"s_dot": "s_dot_again", "regularity": "parallel_regularity"}),
             self._on_leg("algebra", "difference"),
             self._posture(),
             self._on_leg("subleg", "rates", {"theta_dot": "theta_ddot"}, s_dot="along"),
@@ -385,7 +383,7 @@ class _Functions:
             ),
             (self._theta_ddot(),),
             calls,
-            (self._serial_guard(),),
+            (*self._parallel_guard("parallel_regularity"), self._serial_guard()),
         )
 
     def _theta_ddot(self) -> Port:

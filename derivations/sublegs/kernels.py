@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from krhpr.derivations.sublegs.base import SubLeg
 
 
+REGULARITY_DOC = "smallest absolute factor of the determinant"
+
+
 class SubLegKernels:
     """Writes the kernels of one sub-leg."""
 
@@ -187,10 +190,12 @@ class SubLegKernels:
             k.add_input(port) for port in (self.ports.s, self.ports.theta, self.ports.theta_dot)
         )
         arguments = {"s": s, "theta": theta, "theta_dot": theta_dot}
-        s_dot = k.call(velocity, **arguments).s_dot
-        value, rate = k.call_tangent(velocity, "s_dot", arguments, {"s": s_dot, "theta": theta_dot})
+        found = k.call(velocity, **arguments)
+        value, rate = k.call_tangent(velocity, "s_dot", arguments, {"s": found.s_dot, "theta": theta_dot})
         k.add_output(self.ports.s_dot, value)
         k.add_output(self.ports.bias, rate)
+        if hasattr(found, "regularity"):
+            k.output("regularity", found.regularity, doc=REGULARITY_DOC)
         return k.kernel()
 
     def _velocity_from_joints(self) -> Kernel:
@@ -200,6 +205,7 @@ class SubLegKernels:
         equations = self.leg.velocity(k, SimpleNamespace(**found))
         local = solve_structured(equations.A, equations.B * k.add_input(self.ports.theta_dot))
         k.add_output(self.ports.s_dot, equations.F * local)
+        self._regularity(k, equations.parallel)
         return k.kernel()
 
     def _rates(self) -> Kernel:
@@ -252,7 +258,7 @@ class SubLegKernels:
         if factors:
             absolute = [k.absolute(factor.value) for factor in factors]
             worst = absolute[0] if len(absolute) == 1 else k.minimum(*absolute)
-            k.output("regularity", worst, doc="smallest absolute factor of the determinant")
+            k.output("regularity", worst, doc=REGULARITY_DOC)
 
 
 def _solve_columns(a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:

@@ -877,7 +877,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_platform_acceleration(
         krhpr_platform_spatial_a_line(
             &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_r_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias);
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
+            &regularity[i]);
         krhpr_subleg_r_fivebar_posture(
             &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_velocity(
@@ -929,6 +930,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations(
     const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
+    double parallel_regularity[3];
     double regularity[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
@@ -958,7 +960,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations(
             &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_r_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias);
+            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
+            &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
         krhpr_subleg_r_fivebar_posture(
             &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
@@ -966,6 +969,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations(
             &g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
+        if (!(parallel_regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+        }
         if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(theta_ddot + 3 * i, 3);

@@ -514,10 +514,12 @@ static inline void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], dou
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147 multiply, 1 divide) */
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150 multiply, 1 divide, 1
+ * select) */
 static inline void krhpr_subleg_r_fivebar_bias(
     const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta_dot[3],
-    const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+    const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
+    double *KRHPR_RESTRICT regularity)
 {
     const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
     const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
@@ -543,6 +545,7 @@ static inline void krhpr_subleg_r_fivebar_bias(
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
     const double t4 = theta_dot[1] * (g->k[7] * b_22);
     const double t5 = v_1_0 * t3 - v_2_0 * t4;
@@ -588,6 +591,7 @@ static inline void krhpr_subleg_r_fivebar_bias(
     bias[0] = bias_0;
     bias[1] = bias_1;
     bias[2] = bias_2;
+    *regularity = fabs(delta * g->k[14]);
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,

@@ -405,7 +405,7 @@ def platform_acceleration(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         line_i, point_i, N_i, _scale = platform.line(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
-        s_dot_i, bias_i = subleg.bias(
+        s_dot_i, bias_i, _regularity = subleg.bias(
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
@@ -451,7 +451,7 @@ def joint_accelerations(geometry: Any) -> Any:
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i),
             call.leg("twist", i), call.leg("redundant_rates", i), call.leg("twist_rate", i),
             call.leg("redundant_accelerations", i))
-        _s_dot_again, bias_i = subleg.bias(
+        _s_dot_again, bias_i, _parallel_regularity = subleg.bias(
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i), call.leg("theta_dot", i))
         along_i = algebra.difference(s_ddot_i, bias_i)
         x_i, e_2_i, d_i, u_1_i, u_2_i = subleg.posture(

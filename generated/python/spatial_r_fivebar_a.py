@@ -1037,7 +1037,7 @@ def platform_acceleration(
     with rt.quiet():
         line, point, N, _scale = platform.line(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
-        s_dot, bias = subleg.bias(
+        s_dot, bias, regularity = subleg.bias(
             g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         along, regularity = subleg.velocity(g.subleg, x, e_2, d, u_1, u_2, arguments.leg("theta_ddot"))
@@ -1096,7 +1096,7 @@ def joint_accelerations(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), arguments.leg("twist"),
             arguments.leg("redundant_rates"), arguments.leg("twist_rate"),
             arguments.leg("redundant_accelerations"))
-        _s_dot_again, bias = subleg.bias(
+        _s_dot_again, bias, parallel_regularity = subleg.bias(
             g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
@@ -1106,6 +1106,7 @@ def joint_accelerations(
                 "theta_ddot": theta_ddot,
             },
             (
+                rt.Guard(parallel_regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_ddot", )),
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_ddot", )),
             ),
         )

@@ -530,8 +530,8 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does
-    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 147
-    multiply, 1 divide, 3 sine cosine)"""
+    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150
+    multiply, 1 divide, 3 sine cosine, 1 select)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
@@ -565,6 +565,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
     b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
+    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     t7 = theta_dot_1 * b_32 + theta_dot_2 * b_33
     t8 = theta_dot_1 * (g.k[7] * b_22)
     t9 = v_1_0 * t7 - v_2_0 * t8
@@ -614,6 +615,9 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
             bias_0,
             bias_1,
             bias_2,
+        ),
+        (  # regularity
+            np.abs(delta * g.k[14]),
         ),
     )
 
