@@ -15,6 +15,7 @@ from krhpr.codegen.composition import (
     Call,
     Guard,
     Relation,
+    Repeat,
     RobotFunction,
     Stage,
     Status,
@@ -77,20 +78,27 @@ class _Functions:
         yield self._end_points()
         yield self._redundant_coordinates()
         yield self._subleg_forward()
-        yield self._subleg_inverse()
+        if self.robot.subleg.has_inverse:
+            yield self._subleg_inverse()
+        if self.robot.subleg.redundant:
+            yield self._swivel()
         yield self._subleg_jacobian()
         yield self._constraints()
         yield self._jacobians()
         yield self._jacobian_blocks()
-        yield self._inverse()
-        yield self._inverse_all()
-        yield self._inverse_near()
-        yield self._inverse_status()
+        if self.robot.subleg.has_inverse:
+            yield self._inverse()
+            yield self._inverse_all()
+            yield self._inverse_near()
+            yield self._inverse_status()
+        else:
+            yield self._newton_inverse()
         yield self._twist()
         yield self._joint_rates()
         yield self._platform_acceleration()
         yield self._joint_accelerations()
         yield self._passive_joints()
+        yield self._link_points()
         yield self._singularity()
 
     # -- pieces ---------------------------------------------------------------------------------------------
@@ -167,21 +175,25 @@ class _Functions:
         )
 
     def _subleg_forward(self) -> RobotFunction:
-        inputs: tuple[Port, ...] = (self.leg.theta,)
-        guards: tuple[Guard, ...] = ()
-        if self.robot.subleg.forward_signs:
-            inputs = (self.leg.theta, self.leg.assembly)
+        subleg = self.robot.subleg
+        doc = "End points of the sub-legs from the actuated joints."
+        call, guards = self._on_leg("subleg", "forward"), ()
+        if not subleg.has_forward:
+            doc += "  Newton steps from s_near; NaN where they do not converge."
+            call, guards = self._newton("forward_step", self.leg.s, "s_near")
+        elif subleg.forward_signs or subleg.forward_near:
+            doc += "  A closed loop that cannot close gives NaN."
             guards = (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
-        return self._function(
-            "subleg_forward",
-            "End points of the sub-legs from the actuated joints.  A closed loop that cannot "
-            "close gives NaN.",
-            "3.5",
-            inputs,
-            (self.leg.s,),
-            (self._on_leg("subleg", "forward"),),
-            guards,
-        )
+        inputs = (self.leg.theta, *self.leg.forward_choice)
+        return self._function("subleg_forward", doc, "3.5", inputs, (self.leg.s,), (call,), guards)
+
+    def _newton(self, kernel: str, unknown: Port, start: str) -> tuple[Call, tuple[Guard, ...]]:
+        """A bounded Newton iteration on each leg's loop closure, and the guard that says whether it converged."""
+        name = unknown.name
+        repeat = Repeat(before=name, after=f"{name}_next", start=start, change="change")
+        call = Call(Stage.LEG, "subleg", kernel, {}, {f"{name}_next": name}, repeat)
+        guard = Guard("change", 0, Relation.AT_MOST, repeat.tolerance, Status.NO_CONVERGENCE)
+        return call, (guard,)
 
     def _subleg_inverse(self) -> RobotFunction:
         return self._function(
@@ -189,7 +201,7 @@ class _Functions:
             "Actuated joints of the sub-legs in every working mode, from the end points; NaN "
             "where a mode does not exist.",
             "App. B",
-            (self.leg.s,),
+            (self.leg.s, *self._swivel_input()),
             (self.leg.theta_all,),
             (self._on_leg("subleg", "inverse_all"),),
             (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
@@ -200,7 +212,7 @@ class _Functions:
             "inverse",
             "Actuated joints in one working mode for each leg.",
             "1.5, 2.5, App. B",
-            (*self.pose, self.plate.redundant, self.leg.mode),
+            (*self.pose, self.plate.redundant, *self.leg.mode_choice, *self._swivel_input()),
             (self.leg.theta,),
             (self._on_leg("platform", "end_point"), self._on_leg("subleg", "inverse")),
             (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
@@ -211,7 +223,7 @@ class _Functions:
             "inverse_all",
             "Actuated joints in every working mode; NaN where a mode does not exist.",
             "1.5, 2.5, App. B",
-            (*self.pose, self.plate.redundant),
+            (*self.pose, self.plate.redundant, *self._swivel_input()),
             (self.leg.theta_all,),
             (self._on_leg("platform", "end_point"), self._on_leg("subleg", "inverse_all")),
             (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
@@ -219,17 +231,47 @@ class _Functions:
 
     def _inverse_near(self) -> RobotFunction:
         """A procedure (templates hold its loop): it chooses among the modes that `inverse_all` finds."""
-        near = replace(
-            self.leg.theta, name="theta_near", doc="joints to stay near, the previous ones on a path"
-        )
+        near = self._theta_near()
         theta = replace(self.leg.theta, doc="actuated joints, continued beyond +-pi")
         return RobotFunction(
             "inverse_near",
             "Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.",
             "1.8",
-            (*self.pose, self.plate.redundant, near),
+            (*self.pose, self.plate.redundant, near, *self._swivel_input()),
             (theta,),
             (),
+        )
+
+    def _newton_inverse(self) -> RobotFunction:
+        """For sub-legs whose inverse has no closed form: Newton steps from joints nearby."""
+        call, guards = self._newton("inverse_step", self.leg.theta, "theta_near")
+        return self._function(
+            "inverse",
+            "Actuated joints by Newton steps from theta_near, for there is no closed form; NaN where they do not "
+            "converge.",
+            "2.5",
+            (*self.pose, self.plate.redundant, self._theta_near()),
+            (self.leg.theta,),
+            (self._on_leg("platform", "end_point"), call),
+            guards,
+        )
+
+    def _theta_near(self) -> Port:
+        return replace(
+            self.leg.theta, name="theta_near", doc="joints to stay near, the previous ones on a path"
+        )
+
+    def _swivel_input(self) -> tuple[Port, ...]:
+        return (self.leg.swivel,) if self.robot.subleg.redundant else ()
+
+    def _swivel(self) -> RobotFunction:
+        return self._function(
+            "swivel",
+            "Swivels of redundant sub-legs.",
+            "2.4.1",
+            (self.leg.s, self.leg.theta),
+            (self.leg.swivel,),
+            (self._posture(), self._on_leg("subleg", "swivel")),
         )
 
     def _inverse_status(self) -> RobotFunction:
@@ -245,7 +287,7 @@ class _Functions:
             "inverse_status",
             "Which leg cannot reach its end point, and by how much.",
             "1.5",
-            (*self.pose, self.plate.redundant, self.leg.mode),
+            (*self.pose, self.plate.redundant, *self.leg.mode_choice),
             (excess,),
             (self._on_leg("platform", "end_point"), self._on_leg("subleg", "reach")),
             (Guard("excess", 0, Relation.AT_MOST, 0.0, Status.UNREACHABLE_LEG_1),),
@@ -321,7 +363,14 @@ class _Functions:
             "joint_rates",
             "Rates of the actuated joints from the twist and the rates of the redundant coordinates.",
             "(1.30), (1.9)",
-            (*self.pose, self.leg.s, self.leg.theta, self.plate.twist, self.plate.redundant_rates),
+            (
+                *self.pose,
+                self.leg.s,
+                self.leg.theta,
+                self.plate.twist,
+                self.plate.redundant_rates,
+                *((self.leg.swivel_rates,) if self.robot.subleg.redundant else ()),
+            ),
             (self.leg.theta_dot,),
             (self._on_leg("platform", "end_velocity"), self._posture(), self._on_leg("subleg", "rates")),
             (self._serial_guard(),),
@@ -359,12 +408,15 @@ class _Functions:
         )
 
     def _joint_accelerations(self) -> RobotFunction:
+        redundant = self.robot.subleg.redundant
+        along = {"s_dot": "along", **({"swivel_rates": "swivel_along"} if redundant else {})}
         calls = (
             self._on_leg("platform", "end_acceleration"),
             self._on_leg("subleg", "bias", {"s_dot": "s_dot_again", "regularity": "parallel_regularity"}),
             self._on_leg("algebra", "difference"),
+            *((self._on_leg("algebra", "swivel_difference"),) if redundant else ()),
             self._posture(),
-            self._on_leg("subleg", "rates", {"theta_dot": "theta_ddot"}, s_dot="along"),
+            self._on_leg("subleg", "rates", {"theta_dot": "theta_ddot"}, **along),
         )
         return self._function(
             "joint_accelerations",
@@ -380,6 +432,7 @@ class _Functions:
                 self.leg.theta_dot,
                 self.plate.twist_rate,
                 self.plate.redundant_accelerations,
+                *((self.leg.swivel_accelerations,) if redundant else ()),
             ),
             (self._theta_ddot(),),
             calls,
@@ -425,6 +478,18 @@ class _Functions:
             ),
         )
 
+    def _link_points(self) -> RobotFunction:
+        points = self.robot.subleg.points_port()
+        return self._function(
+            "link_points",
+            "Where the joints of every leg are, and where its redundant link meets the platform: the ends of all "
+            "straight links.",
+            "",
+            (*self.pose, self.leg.s, self.leg.theta),
+            (points, self.plate.attachment),
+            (self._posture(), self._on_leg("subleg", "points"), self._on_leg("platform", "attachment")),
+        )
+
     def _singularity(self) -> RobotFunction:
         names = self.robot.subleg.factor_names()
         doc = "; ".join(f"{name}: {text}" for name, text in names)
@@ -433,7 +498,8 @@ class _Functions:
             labels=tuple(name for name, _ in names),
             doc=f"factors of det M_i ({doc})",
         )
-        type_1 = Port("type_1", (), Unit.MIXED, Frame.NONE, "det M_i", Layout.STACKED)
+        what = "sqrt(det(M_i M_i^T))" if self.robot.subleg.redundant else "det M_i"
+        type_1 = Port("type_1", (), Unit.MIXED, Frame.NONE, what, Layout.STACKED)
         calls = (
             self._posture(),
             self._on_leg("subleg", "determinant", {"det_M": "type_1"}),

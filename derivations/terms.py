@@ -66,13 +66,41 @@ class Mode:
     signs: tuple[int, ...]
 
 
+ONLY = "only"
+"""The label of a branch where there is no choice."""
+
+
 def branches(signs: tuple[Sign, ...]) -> tuple[Mode, ...]:
-    """Every combination of signs, the first choice varying slowest and +1 before -1."""
+    """Every combination of signs, the first choice varying slowest and +1 before -1; `only` without one."""
+    if not signs:
+        return (Mode(ONLY, ()),)
     modes = []
     for values in product((1, -1), repeat=len(signs)):
         words = [sign.plus if value > 0 else sign.minus for sign, value in zip(signs, values, strict=True)]
         modes.append(Mode("/".join(words), values))
     return tuple(modes)
+
+
+class LinkKind(StrEnum):
+    """What a link is, which decides how it is drawn."""
+
+    FIXED = "fixed"
+    SLIDE = "slide"
+    PROXIMAL = "proximal"
+    DISTAL = "distal"
+    CRANK = "crank"
+    ROD = "rod"
+    STRUT = "strut"
+
+
+@dataclass(frozen=True)
+class Link:
+    """A straight link of a leg between two of its named points, named as its length is."""
+
+    name: str
+    kind: LinkKind
+    start: str
+    end: str
 
 
 @dataclass(frozen=True)

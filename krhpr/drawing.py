@@ -5,18 +5,14 @@
     bones = skeleton(robot, p, Q, redundant)    # NumPy alone
     draw(robot, p, Q, redundant)                # Matplotlib
 
-Every point comes from the generated functions: joints from `inverse`, link vectors from the sub-leg's
-`posture`.  What is written here is which vectors follow one another.  A sub-leg that `CHAINS` does not know
-is drawn as one straight line.
+Every point comes from the generated functions: joints from `inverse`, their places from `link_points`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from importlib import import_module
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,22 +27,24 @@ class Kind(StrEnum):
     """What a link is, which decides how it is drawn."""
 
     FIXED = "fixed"
+    SLIDE = "slide"
     PROXIMAL = "proximal"
     DISTAL = "distal"
     CRANK = "crank"
     ROD = "rod"
+    STRUT = "strut"
     REDUNDANT = "redundant"
-    UNKNOWN = "unknown"
 
 
 COLOURS: Mapping[Kind, str] = {
     Kind.FIXED: "#555555",
+    Kind.SLIDE: "#56b4e9",
     Kind.PROXIMAL: "#0072b2",
     Kind.DISTAL: "#d55e00",
     Kind.CRANK: "#009e73",
     Kind.ROD: "#a05a90",
+    Kind.STRUT: "#0072b2",
     Kind.REDUNDANT: "#111111",
-    Kind.UNKNOWN: "#999999",
 }
 PLATFORM_COLOUR = "#e6b800"
 
@@ -71,9 +69,8 @@ class Link:
 class Skeleton:
     """A robot in one configuration: named points of the legs, links, and the platform.
 
-    `points` has for each name an array with a row for each leg: `A` base joint, `c` end of link i1, `E` elbow
-    (tip of crank u_1), `C` tip of crank u_2, `P` where rod and distal link meet, `S` end point of the
-    sub-leg, `B` joint on the platform.
+    `points` has for each name an array with a row for each leg: the names of `link_points` (`A` base joint, `E`
+    elbow, `S` end point of the sub-leg, ...) and `B`, joint or slider on the platform.
     """
 
     points: Mapping[str, Array]
@@ -93,111 +90,36 @@ class Skeleton:
 
 
 def skeleton(
-    robot: Robot, p: ArrayLike, orientation: ArrayLike, redundant: ArrayLike, mode: Branch | None = None
+    robot: Robot,
+    p: ArrayLike,
+    orientation: ArrayLike,
+    redundant: ArrayLike,
+    mode: Branch | None = None,
+    theta: ArrayLike | None = None,
 ) -> Skeleton:
     """Points and links at one pose.
 
     `orientation` is Q, or phi for a planar robot; `mode` is what `Robot.inverse` takes, its default unless
-    given.  Raises Unreachable where a leg cannot reach its end point.
+    given; `theta` are the joints themselves, where `inverse` has no closed form.  Raises Unreachable where a leg
+    cannot reach its end point.
     """
     s = np.asarray(robot.end_points(p, orientation, redundant))
-    theta = np.asarray(robot.inverse(p, orientation, redundant, mode=mode, check=True))
-    module = import_module(f"krhpr.generated.python.{robot.identifier}")
-    prepared = module.prepare(robot.geometry)
-    base = {"A": _base_joints(robot), "S": s}
-    leg = SimpleNamespace(
-        geometry=robot.geometry,
-        prepared=prepared.subleg,
-        posture=[_rows(part) for part in module.subleg.posture(prepared.subleg, _parts(s), _parts(theta))],
-        points=base,
-    )
-    name = robot.identifier.split("_", 1)[1].rsplit("_", 1)[0]
-    points, chain = CHAINS.get((robot.planar, name), _straight)(leg)
-    points = {**base, **points}
-    origin = np.asarray(p, dtype=float)
-    axes = _rotation(orientation) if robot.planar else np.asarray(orientation, dtype=float)
-    if hasattr(prepared.platform, "b"):
-        points["B"] = origin + _rows(prepared.platform.b) @ axes[:, :2].T
-        chain = (*chain, ("l_r", Kind.REDUNDANT, "S", "B"))
+    if theta is None:
+        theta = robot.inverse(p, orientation, redundant, mode=mode, check=True)
+    joints, attachment = robot.link_points(p, orientation, s, theta)
+    names = robot.signature("link_points").outputs[0].labels
+    points = {name: joints[:, place] for place, name in enumerate(names)}
+    chain = [(name, Kind(kind), start, end) for name, kind, start, end in robot.links]
+    if robot.redundant_link:
+        points["B"] = np.asarray(attachment)
+        chain.append((robot.redundant_link, Kind.REDUNDANT, "S", "B"))
     links = tuple(
-        Link(i + 1, field, kind, points[start][i], points[end][i])
+        Link(i + 1, name, kind, points[start][i], points[end][i])
         for i in range(3)
-        for field, kind, start, end in chain
+        for name, kind, start, end in chain
     )
-    return Skeleton(points, links, theta, origin, axes)
-
-
-# -- how the vectors of a sub-leg follow one another ---------------------------------------------------------
-
-Chain = tuple[tuple[str, Kind, str, str], ...]
-"""Links from the base on: the field of the geometry with its length, its kind, and its two points."""
-
-
-def _rrr(leg: SimpleNamespace) -> tuple[dict[str, Array], Chain]:
-    x, _, _, v_1 = leg.posture
-    c, e_1 = _rows(leg.prepared.c), _rows(leg.prepared.e_1)
-    elbow = leg.points["S"] - _in_plane(v_1, x, e_1)
-    links = (
-        ("l_1", Kind.FIXED, "A", "c"),
-        ("l_2", Kind.PROXIMAL, "c", "E"),
-        ("l_3", Kind.DISTAL, "E", "S"),
-    )
-    return {"c": c, "E": elbow}, links
-
-
-def _r_fivebar(leg: SimpleNamespace) -> tuple[dict[str, Array], Chain]:
-    x, _, _, u_1, u_2 = leg.posture
-    c, e_1 = _rows(leg.prepared.c), _rows(leg.prepared.e_1)
-    elbow = c + _in_plane(u_1, x, e_1)
-    ratio = 1 - leg.geometry.l_5 / leg.geometry.l_6  # (A.16)
-    pivot = elbow + ratio[:, np.newaxis] * (leg.points["S"] - elbow)
-    links = (
-        ("l_1", Kind.FIXED, "A", "c"),
-        ("l_4", Kind.PROXIMAL, "c", "E"),
-        ("l_2", Kind.CRANK, "c", "C"),
-        ("l_3", Kind.ROD, "C", "P"),
-        ("l_5", Kind.DISTAL, "P", "S"),
-    )
-    return {"c": c, "E": elbow, "C": c + _in_plane(u_2, x, e_1), "P": pivot}, links
-
-
-def _planar_rr(leg: SimpleNamespace) -> tuple[dict[str, Array], Chain]:
-    _, u_2 = leg.posture
-    links = (("l_1", Kind.PROXIMAL, "A", "E"), ("l_2", Kind.DISTAL, "E", "S"))
-    return {"E": leg.points["S"] - u_2}, links
-
-
-def _straight(leg: SimpleNamespace) -> tuple[dict[str, Array], Chain]:
-    return {}, (("leg", Kind.UNKNOWN, "A", "S"),)
-
-
-CHAINS: Mapping[tuple[bool, str], Callable[[SimpleNamespace], tuple[dict[str, Array], Chain]]] = {
-    (False, "rrr"): _rrr,
-    (False, "r_fivebar"): _r_fivebar,
-    (True, "rr"): _planar_rr,
-}
-"""By (planar, name of the sub-leg)."""
-
-
-def _base_joints(robot: Robot) -> Array:
-    azimuth, radius = robot.geometry.azimuth, robot.geometry.R_b
-    flat = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=-1)
-    return flat if robot.planar else np.pad(flat, ((0, 0), (0, 1)))
-
-
-def _parts(array: Array) -> tuple[Array, ...]:
-    """Rows by leg as components, the form that generated kernels read."""
-    return tuple(np.moveaxis(array, -1, 0))
-
-
-def _rows(parts: Sequence[Any]) -> Array:
-    """Components as rows by leg."""
-    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (3,)) for part in parts], axis=-1)
-
-
-def _in_plane(vector: Array, x: Array, e_1: Array) -> Array:
-    """A vector of the linkage plane (x, e_1) in the base frame."""
-    return vector[:, :1] * x + vector[:, 1:] * e_1
+    axes = _rotation(orientation) if robot.planar else np.asarray(orientation, dtype=float)
+    return Skeleton(points, links, np.asarray(theta), np.asarray(p, dtype=float), axes)
 
 
 def _rotation(phi: ArrayLike) -> Array:

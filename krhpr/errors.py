@@ -53,6 +53,14 @@ class Singular(KrhprError, ValueError):
         self.status, self.index = status, index
 
 
+class NoConvergence(KrhprError, ValueError):
+    """An iteration that ended before it converged; `index` is its place in the batch."""
+
+    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
+        super().__init__(message, index)
+        self.index = index
+
+
 class InvalidInput(KrhprError, ValueError):
     """NaN or infinite input, or a matrix that is not a rotation; `index` is its place in the batch."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from krhpr.backend import Backend, BackendName, make_backend
-from krhpr.errors import InvalidInput, Singular, UnknownBranch, Unreachable
+from krhpr.errors import InvalidInput, NoConvergence, Singular, UnknownBranch, Unreachable
 from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 
 ROTATION_TOLERANCE = 1e-6
@@ -90,6 +90,18 @@ class Robot:
         return tuple(self._module.ASSEMBLIES)
 
     @property
+    def links(self) -> tuple[tuple[str, str, str, str], ...]:
+        """The straight links of a leg: name, kind, and the two points of `link_points` that each joins."""
+        return self._module.LINKS  # type: ignore[no-any-return]
+
+    @property
+    def redundant_link(self) -> str:
+        """The field with the length of the redundant link from S_i to its attachment; empty where they
+        coincide.
+        """
+        return str(self._module.REDUNDANT_LINK)
+
+    @property
     def functions(self) -> tuple[str, ...]:
         """Names of all functions."""
         return tuple(self._module.SIGNATURES)
@@ -105,6 +117,11 @@ class Robot:
         """Arguments and results of a function: names, shapes, units, frames, meanings."""
         return self._module.SIGNATURES[function]  # type: ignore[no-any-return]
 
+    @property
+    def redundant_legs(self) -> bool:
+        """Whether its sub-legs have a swivel: one more actuator than their end point has coordinates."""
+        return "swivel" in self.functions
+
     def mode_signs(self, mode: Branch | None = None) -> np.ndarray[Any, Any]:
         """Signs (..., 3, signs) of a working mode given as `inverse` takes it; the default one unless
         given.
@@ -116,7 +133,9 @@ class Robot:
         unless given.
         """
         if not self.assemblies:
-            raise UnknownBranch(f"{self.identifier}: its sub-legs are open chains and have no assembly modes")
+            raise UnknownBranch(
+                f"{self.identifier}: no assembly modes of its sub-legs are told apart by signs"
+            )
         return self._signs(
             assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "an assembly mode"
         )
@@ -156,21 +175,43 @@ class Robot:
         return self._answer("redundant_coordinates", (p, Q, s), options)
 
     def subleg_forward(
-        self, theta: ArrayLike, assembly: Branch | None = None, **options: Unpack[Options]
+        self,
+        theta: ArrayLike,
+        assembly: Branch | None = None,
+        *,
+        near: ArrayLike | None = None,
+        **options: Unpack[Options],
     ) -> Any:
-        """s (..., 3, 3) from the actuated joints theta (..., 3, n); `assembly` for sub-legs with a closed
-        loop.
-        """
-        inputs: tuple[Any, ...] = (theta,)
-        if self.assemblies or assembly is not None:
-            inputs = (theta, self.assembly_signs(assembly))
-        return self._answer("subleg_forward", inputs, options)
+        """s (..., 3, 3) from the actuated joints theta (..., 3, n).
 
-    def subleg_inverse(self, s: ArrayLike, **options: Unpack[Options]) -> Any:
-        """theta (..., 3, modes, n): actuated joints in every working mode, NaN where a mode does not
-        exist.
+        Sub-legs with a closed loop take `assembly` (a label, one for each leg, or signs), or a point `near`
+        (..., 3, 3) the end points where their assembly modes have no names.
         """
-        return self._answer("subleg_inverse", (s,), options)
+        choice: dict[str, Any] = {}
+        if self._takes("subleg_forward", "s_near"):
+            if near is None or assembly is not None:
+                raise UnknownBranch(
+                    f"{self.identifier}.subleg_forward: the assembly mode of its sub-legs is chosen by a point near "
+                    "each end point: near=... of shape (..., 3, 3)"
+                )
+            choice["s_near"] = near
+        elif near is not None:
+            raise UnknownBranch(f"{self.identifier}.subleg_forward takes no point near the end points")
+        elif self.assemblies or assembly is not None:
+            choice["assembly"] = self.assembly_signs(assembly)
+        return self._answer("subleg_forward", (theta, *choice.values()), options)
+
+    def subleg_inverse(
+        self, s: ArrayLike, *, swivel: ArrayLike | None = None, **options: Unpack[Options]
+    ) -> Any:
+        """theta (..., 3, modes, n): actuated joints in every working mode, NaN where a mode does not
+        exist; redundant sub-legs at `swivel` (..., 3), zero unless given.
+        """
+        return self._answer("subleg_inverse", (s, *self._swivels("subleg_inverse", swivel)), options)
+
+    def swivel(self, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]) -> Any:
+        """swivel (..., 3) of redundant sub-legs, from their end points and joints."""
+        return self._answer("swivel", (s, theta), options)
 
     def constraints(self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, **options: Unpack[Options]) -> Any:
         """Residuals (..., 6) of the constraint equations, zero where the platform closes; rows as (1.31)."""
@@ -184,24 +225,45 @@ class Robot:
         *,
         mode: Branch | None = None,
         near: ArrayLike | None = None,
+        swivel: ArrayLike | None = None,
         **options: Unpack[Options],
     ) -> Any:
         """theta (..., 3, n): actuated joints for a pose and redundant coordinates.
 
         In one working mode (`mode`: a label, one for each leg, or signs; the default one otherwise), or, with
-        `near` (..., 3, n), in the mode nearest to those joints and continued beyond +-pi.
+        `near` (..., 3, n), in the mode nearest to those joints and continued beyond +-pi.  Redundant sub-legs
+        stand at `swivel` (..., 3), zero unless given.  Sub-legs without a closed form take `near` alone.
         """
-        if near is None:
-            return self._answer("inverse", (p, Q, redundant, self.mode_signs(mode)), options)
-        if mode is not None:
+        if mode is not None and near is not None:
             raise UnknownBranch("inverse takes either a mode or joints to stay near, not both")
-        return self._answer("inverse_near", (p, Q, redundant, near), options)
+        name, choice = "inverse", []
+        if self._takes("inverse", "theta_near"):
+            if near is None:
+                raise UnknownBranch(
+                    f"{self.identifier}.inverse: its sub-legs have no inverse in closed form; give joints to start "
+                    "from: near=... of shape (..., 3, n)"
+                )
+            choice = [near]
+        elif near is not None:
+            name, choice = "inverse_near", [near]
+        else:
+            choice = self._mode_input(name, mode)
+        inputs = (p, Q, redundant, *choice, *self._swivels(name, swivel))
+        return self._answer(name, inputs, options)
 
     def inverse_all(
-        self, p: ArrayLike, Q: ArrayLike, redundant: ArrayLike, **options: Unpack[Options]
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        redundant: ArrayLike,
+        *,
+        swivel: ArrayLike | None = None,
+        **options: Unpack[Options],
     ) -> Any:
-        """theta (..., 3, modes, n): every working mode, NaN where a mode does not exist."""
-        return self._answer("inverse_all", (p, Q, redundant), options)
+        """theta (..., 3, modes, n): every working mode, NaN where a mode does not exist; redundant sub-legs at
+        `swivel` (..., 3), zero unless given.
+        """
+        return self._answer("inverse_all", (p, Q, redundant, *self._swivels("inverse_all", swivel)), options)
 
     def inverse_status(
         self,
@@ -213,9 +275,8 @@ class Robot:
         **options: Unpack[Options],
     ) -> Any:
         """(status (...), excess (..., 3)): which leg cannot reach its end point, and by what distance."""
-        excess, status = self._answer(
-            "inverse_status", (p, Q, redundant, self.mode_signs(mode)), {**options, "status": True}
-        )
+        inputs = (p, Q, redundant, *self._mode_input("inverse_status", mode))
+        excess, status = self._answer("inverse_status", inputs, {**options, "status": True})
         return status, excess
 
     # -- velocity and acceleration --------------------------------------------------------------------------
@@ -256,13 +317,14 @@ class Robot:
         theta: ArrayLike,
         twist: ArrayLike,
         redundant_rates: ArrayLike = 0.0,
+        swivel_rates: ArrayLike | None = None,
         **options: Unpack[Options],
     ) -> Any:
-        """theta_dot (..., 3, n) from the twist and the rates of the redundant coordinates (zero unless
-        given).
+        """theta_dot (..., 3, n) from the twist and the rates of the redundant coordinates and of redundant
+        sub-legs' swivels (zero unless given).
         """
-        rates = self._per_leg(redundant_rates)
-        return self._answer("joint_rates", (p, Q, s, theta, twist, rates), options)
+        rates = (self._per_leg(redundant_rates), *self._swivels("joint_rates", swivel_rates, "swivel_rates"))
+        return self._answer("joint_rates", (p, Q, s, theta, twist, *rates), options)
 
     def platform_acceleration(
         self,
@@ -291,12 +353,15 @@ class Robot:
         theta_dot: ArrayLike,
         twist_rate: ArrayLike,
         redundant_accelerations: ArrayLike = 0.0,
+        swivel_accelerations: ArrayLike | None = None,
         **options: Unpack[Options],
     ) -> Any:
         """theta_ddot (..., 3, n); `theta_dot` are the rates that the twist and the redundant rates give."""
+        name = "joint_accelerations"
         rates, accelerations = self._per_leg(redundant_rates), self._per_leg(redundant_accelerations)
-        inputs = (p, Q, s, theta, twist, rates, theta_dot, twist_rate, accelerations)
-        return self._answer("joint_accelerations", inputs, options)
+        swivels = self._swivels(name, swivel_accelerations, "swivel_accelerations")
+        inputs = (p, Q, s, theta, twist, rates, theta_dot, twist_rate, accelerations, *swivels)
+        return self._answer(name, inputs, options)
 
     # -- passive joints and singularities -------------------------------------------------------------------
 
@@ -305,6 +370,14 @@ class Robot:
     ) -> Any:
         """Every passive joint as a named tuple; names and zeros in `robot.signature("passive_joints")`."""
         return self._answer("passive_joints", (p, Q, s, theta), options)
+
+    def link_points(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """(points, attachment): the joints of every leg, named in `robot.signature("link_points")`, and where
+        redundant links meet the platform; `robot.links` joins them.
+        """
+        return self._answer("link_points", (p, Q, s, theta), options)
 
     def singularity(
         self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
@@ -418,6 +491,11 @@ class Robot:
                 distance,
                 index,
             )
+        if code is Status.NO_CONVERGENCE:
+            raise NoConvergence(
+                f"{where}: Newton's iteration did not converge; start nearer to the solution (near=...)",
+                index,
+            )
         raise Singular(f"{where}: singular configuration, {_MEANING[code]}", int(code), index)
 
     def _distance(
@@ -432,10 +510,11 @@ class Robot:
             full = np.broadcast_to(array, (*np.shape(status), *port.shape))
             picked.append(full[index])
         by_name = dict(zip(names, picked, strict=True))
-        signs = by_name.get("mode", self.mode_signs())
-        excess, _ = self._backend.call(
-            "inverse_status", (picked[0], picked[1], by_name["redundant"], signs), None
-        )
+        if "inverse_status" not in self.functions:
+            return float("nan")
+        signs = [by_name["mode"]] if "mode" in by_name else self._mode_input("inverse_status", None)
+        inputs = (picked[0], picked[1], by_name["redundant"], *signs)
+        excess, _ = self._backend.call("inverse_status", inputs, None)
         return float(np.asarray(excess)[leg - 1])
 
     def _signs(
@@ -457,6 +536,24 @@ class Robot:
             got = ", ".join(f"{value:g}" for value in others[:3])
             raise UnknownBranch(f"{self.identifier}: the signs of {what} are +1 or -1, got {got}")
         return signs
+
+    def _takes(self, function: str, argument: str) -> bool:
+        return any(port.name == argument for port in self.signature(function).inputs)
+
+    def _mode_input(self, function: str, mode: Branch | None) -> list[Any]:
+        """The signs of a working mode, where the robot's sub-legs have more than one."""
+        signs = self.mode_signs(mode)
+        return [signs] if self._takes(function, "mode") else []
+
+    def _swivels(self, function: str, given: ArrayLike | None, name: str = "swivel") -> list[Any]:
+        """An argument that redundant sub-legs alone take; zero unless given."""
+        if self._takes(function, name):
+            return [self._per_leg(0.0 if given is None else given)]
+        if given is not None:
+            raise UnknownBranch(
+                f"{self.identifier}.{function}: its sub-legs are not redundant and take no {name}"
+            )
+        return []
 
     @staticmethod
     def _per_leg(values: ArrayLike) -> Any:
@@ -518,7 +615,6 @@ _MEANING = {
         "det J_a = 0: the lines in the platform's plane meet in a point or are parallel"
     ),
     Status.SINGULAR_NORMAL: "det J_n = 0: the three end points are collinear",
-    Status.NO_CONVERGENCE: "an iteration did not converge",
     Status.AMBIGUOUS: "several answers cannot be told apart",
 }
 

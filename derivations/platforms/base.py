@@ -34,6 +34,8 @@ class Platform(ABC):
     section: str
     doc: str
     redundant_joint: Joint
+    redundant_link: str = "l_r"
+    """The field with the length of the link from S_i to its attachment; empty where they are one point."""
     equations: str
     type_2_doc: str
     margins_doc: str
@@ -75,6 +77,10 @@ class Platform(ABC):
     @abstractmethod
     def joint(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         """The redundant link: its frame (rotation matrix) in space, its direction in the plane."""
+
+    @abstractmethod
+    def attachment(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
+        """Where the redundant link meets the platform, in the base frame: its joint B_i, or its slider."""
 
     @abstractmethod
     def margins(self, k: KernelWriter, det_a: Any, det_n: Any, scale: sp.Matrix) -> list[Any]:

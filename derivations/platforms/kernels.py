@@ -37,6 +37,7 @@ class PlatformKernels:
             self._end_acceleration(velocity),
             self._row_bias(rows),
             self._joint(),
+            self._attachment(),
             self._solve(),
             self._type_2(),
         )
@@ -185,6 +186,11 @@ class PlatformKernels:
         k.add_output(ports.platform_joint, self.plate.redundant(k, pose, s))
         return k.kernel()
 
+    def _attachment(self) -> Kernel:
+        k, pose, s = self._begin("attachment", "Where the redundant link meets the platform.")
+        k.add_output(self.ports.attachment, self.plate.attachment(k, pose, s))
+        return k.kernel(prune=("p", "Q", "s"))
+
     def _solve(self) -> Kernel:
         """J t = r for the twist, in the platform frame where J is block triangular; exact for any s."""
         k = KernelWriter(
@@ -331,6 +337,9 @@ class PlatformPorts:
         link = (3, 3) if spatial else (2,)
         self.link = Port(
             "redundant_link", link, Unit.NONE, Frame.BASE, "orientation of the redundant link", STACKED
+        )
+        self.attachment = Port(
+            "attachment", (d,), Unit.METRE, Frame.BASE, "joint or slider on the platform", STACKED
         )
         count = 2 if spatial else 1
         names = ("det J_a", "det J_n")[:count]

@@ -74,6 +74,9 @@ class PlanarA(Platform):
     def joint(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         return self.direction(k, pose, s) / k.g.l_r
 
+    def attachment(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
+        return pose.p + self.anchor(k, pose, s)
+
     def scale(self, k: KernelWriter) -> list[Any]:
         return [k.g.l_r, k.g.R_p]
 

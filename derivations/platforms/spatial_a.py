@@ -125,6 +125,9 @@ class SpatialA(Platform):
         q_z = pose.Q.col(2)
         return sp.Matrix.hstack(along, k.let("y_r", cross(q_z, along)), q_z)
 
+    def attachment(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
+        return pose.p + self.anchor(k, pose, s)
+
     def scale(self, k: KernelWriter) -> list[Any]:
         return [k.g.l_r, k.g.R_p]
 

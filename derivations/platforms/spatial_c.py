@@ -29,6 +29,7 @@ class SpatialC(Platform):
     section = "2.3"
     doc = "Spherical joints that slide along radial lines through the platform's centre."
     redundant_joint = Joint("d", JointKind.PRISMATIC, "slide d_i of S_i along t_i = e_r, from O', signed")
+    redundant_link = ""
     equations = "(2.30), (2.31)"
     type_2_doc = (
         "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis "
@@ -73,6 +74,9 @@ class SpatialC(Platform):
 
     def joint(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         return sp.Matrix.hstack(self._slide(k, pose), self.direction(k, pose, s), pose.Q.col(2))
+
+    def attachment(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
+        return s
 
     def scale(self, k: KernelWriter) -> list[Any]:
         return [sp.Integer(1), sp.Integer(1)]

@@ -1,6 +1,6 @@
 """What a sub-leg is: the interface that one file per sub-leg implements.
 
-A sub-leg carries the end point S_i (r_i in the plane).  Its file states six things, and everything else (the
+A sub-leg carries the end point S_i (r_i in the plane).  Its file states seven things, and everything else (the
 Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them in
 `kernels.py`, on the graph:
 
@@ -11,7 +11,13 @@ Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once
   (s, theta), so that sines and cosines are computed once however many kernels follow;
 * `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F, as (1.9),
   with the dimensionless factors whose zeros are the leg's singularities;
-* `passive`: passive joint angles and the direction of the link that carries the end point.
+* `passive`: passive joint angles and the direction of the link that carries the end point;
+* `points`: where the leg's joints are, and which links join them, for pictures and for distances between links.
+
+A redundant sub-leg (one more actuator than its end point has coordinates) names its `swivel`, the coordinate
+that chooses among the joints for one end point; its velocity equations have a row more.  Where `forward` or
+`inverse` is left out, there is no closed form, and a bounded Newton iteration from a point nearby is generated
+from `closure` in its place.
 
 All formulas are those of one leg: `s` is relative to the base frame, `theta` are this leg's actuated joints.
 """
@@ -28,7 +34,7 @@ import sympy as sp
 from krhpr.codegen.kernel import GeometryType, Kernel, Port
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
-from krhpr.derivations.terms import Factor, Joint, Mode, Sign, Space, branches
+from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,10 @@ class VelocityEquations:
 
     `serial` are the factors of det B (type I singularities), `parallel` those of det A (type II of the sub-
     leg); `determinant` is det M_i in closed form.
+
+    A redundant sub-leg has the rate of its swivel below F^T s_dot: A and B are n x n.  The last row and column
+    of A are zero elsewhere, so that M_i does not depend on how the swivel is measured.  Its `determinant` is
+    None: sqrt(det(M_i M_i^T)) follows from the minors of M_i.
     """
 
     F: sp.Matrix
@@ -84,10 +94,15 @@ class SubLeg(ABC):
     doc: str
     actuators: tuple[Joint, ...]
     passive_joints: tuple[Joint, ...] = ()
-    inverse_signs: tuple[Sign, ...]
+    inverse_signs: tuple[Sign, ...] = ()
     forward_signs: tuple[Sign, ...] = ()
-    default_mode: str
-    default_assembly: str = ""
+    forward_near: bool = False
+    """Whether the assembly mode is chosen by a point near the end point instead of signs."""
+    swivel: Joint | None = None
+    """The coordinate of a redundant sub-leg that is free when its end point is given."""
+    links: tuple[Link, ...] = ()
+    default_mode: str = ONLY
+    default_assembly: str = ONLY
     equations: str = ""
 
     # -- what a sub-leg's file states -----------------------------------------------------------------------
@@ -96,21 +111,26 @@ class SubLeg(ABC):
     def geometry(self) -> GeometryType:
         """Fields and prepared vectors of one leg."""
 
-    @abstractmethod
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
-        """End point and posture from the actuated joints; `assembly` has a sign for each of
-        `forward_signs`.
+        """End point and posture from the actuated joints.
+
+        `assembly` has a sign for each of `forward_signs`; with `forward_near` it is a point near the end point.
         """
+        raise NotImplementedError(f"{self.name} has no forward kinematics in closed form")
 
-    @abstractmethod
-    def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
-        """The actuated joints in the branch `mode`, and the radicands that must not be negative."""
+    def inverse(
+        self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
+    ) -> tuple[list[Any], list[Any]]:
+        """The actuated joints in the branch `mode` (at `swivel`, for a redundant sub-leg), and the radicands
+        that must not be negative.
+        """
+        raise NotImplementedError(f"{self.name} has no inverse kinematics in closed form")
 
-    @abstractmethod
     def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
         """By how much s_i lies outside the leg's reach in the branch `mode` (a length; zero or negative
-        within).
+        within).  Left out where every point is within reach.
         """
+        return sp.Integer(0)
 
     @abstractmethod
     def posture_ports(self) -> tuple[Port, ...]:
@@ -129,6 +149,14 @@ class SubLeg(ABC):
         """Passive joint coordinates at a posture."""
 
     @abstractmethod
+    def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
+        """Where the leg's joints are, in the base frame, from the base on, S_i last; `links` join them."""
+
+    def swivel_angle(self, k: KernelWriter, at: SimpleNamespace) -> Any:
+        """The swivel of a redundant sub-leg at a posture."""
+        raise NotImplementedError(f"{self.name} is not redundant")
+
+    @abstractmethod
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         """Loop closure equations f(s, theta) = 0 that define the leg, from which `velocity` is proven."""
 
@@ -140,13 +168,28 @@ class SubLeg(ABC):
         return len(self.actuators)
 
     @property
+    def redundant(self) -> bool:
+        """Whether it has a swivel."""
+        return self.swivel is not None
+
+    @property
+    def has_forward(self) -> bool:
+        """Whether its forward kinematics is stated in closed form."""
+        return type(self).forward is not SubLeg.forward
+
+    @property
+    def has_inverse(self) -> bool:
+        """Whether its inverse kinematics is stated in closed form."""
+        return type(self).inverse is not SubLeg.inverse
+
+    @property
     def modes(self) -> tuple[Mode, ...]:
         """Working modes, in the order of `inverse_all`."""
         return branches(self.inverse_signs)
 
     @property
     def assemblies(self) -> tuple[Mode, ...]:
-        """Assembly modes (one without a label for open chains)."""
+        """Assembly modes that signs tell apart (`only` where there is no choice)."""
         return branches(self.forward_signs)
 
     def ports(self) -> SubLegPorts:
@@ -164,6 +207,10 @@ class SubLeg(ABC):
     def has_parallel_factors(self) -> bool:
         """Whether the sub-leg has a closed loop, and with it configurations in which M_i does not exist."""
         return bool(SubLegKernels(self).factors()[1])
+
+    def points_port(self) -> Port:
+        """The port of its joints' positions, with their names."""
+        return SubLegKernels(self).points().output_port("points")
 
     def factor_names(self) -> list[tuple[str, str]]:
         """Names and meanings of the leg's singular factors, serial ones first."""

@@ -95,6 +95,16 @@ def place(k: KernelWriter, x: sp.Matrix, r: Any, y: Any) -> sp.Matrix:
     return k.g.c + r * x + y * k.g.e_1
 
 
+def shoulder_points(k: KernelWriter) -> dict[str, sp.Matrix]:
+    """Base joint A and the end c of link i1."""
+    return {"A": k.g.c - k.g.l_1 * k.g.e_1, "c": k.g.c}
+
+
+def in_base(k: KernelWriter, at: SimpleNamespace, point: sp.Matrix) -> sp.Matrix:
+    """The point with coordinates `point` in the linkage plane (x, e_1), from c, in the base frame."""
+    return place(k, at.x, point[0], point[1])
+
+
 def link_frame(k: KernelWriter, at: SimpleNamespace, direction: sp.Matrix) -> sp.Matrix:
     """Orientation of a link in the linkage plane: along it, e_2 x along, e_2."""
     u = k.let("dir", direction, "direction of the link in (x, e_1)")

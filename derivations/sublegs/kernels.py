@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import combinations
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.terms import Factor, Space
-from krhpr.derivations.vectors import solve_structured
+from krhpr.derivations.vectors import cross2, determinant3, dot, solve_structured
 
 if TYPE_CHECKING:
-    from krhpr.derivations.sublegs.base import SubLeg
+    from krhpr.derivations.sublegs.base import SubLeg, VelocityEquations
 
 
 REGULARITY_DOC = "smallest absolute factor of the determinant"
@@ -27,13 +29,14 @@ class SubLegKernels:
 
     def all(self) -> tuple[Kernel, ...]:
         """Every kernel, in the order in which it is printed."""
-        inverse = self._inverse()
-        return (
-            self._forward(),
-            self._forward(posture=True),
-            inverse,
-            self._inverse_all(inverse),
-            self._reach(),
+        leg = self.leg
+        kernels = [self._forward(), self._forward(posture=True)] if leg.has_forward else [self.forward_step()]
+        if leg.has_inverse:
+            inverse = self._inverse()
+            kernels += [inverse, self._inverse_all(inverse), self._reach()]
+        else:
+            kernels.append(self.inverse_step())
+        kernels += [
             self._posture(),
             self._jacobian(),
             self._project(),
@@ -42,7 +45,9 @@ class SubLegKernels:
             self._rates(),
             self._determinant(),
             self._passive(),
-        )
+            self.points(),
+        ]
+        return (*kernels, self._swivel()) if leg.redundant else tuple(kernels)
 
     def closure(self) -> Kernel:
         """The loop closure as a kernel; it is used by proofs and never printed."""
@@ -62,7 +67,7 @@ class SubLegKernels:
         doc = f"End point{more} of the {self.leg.notation} sub-leg from its actuated joints."
         k = KernelWriter(name, doc, "3.5", self.geometry)
         theta = k.add_input(self.ports.theta)
-        assembly = k.add_input(self.ports.assembly) if self.leg.forward_signs else sp.Matrix(0, 1, [])
+        assembly = self._choice(k, self.ports.forward_choice)
         found = self.leg.forward(k, theta, assembly)
         k.add_output(self.ports.s, found.s)
         if posture:
@@ -71,6 +76,11 @@ class SubLegKernels:
         if found.radicand is not None:
             k.output("radicand", found.radicand, doc="not negative where the loop closes")
         return k.kernel()
+
+    @staticmethod
+    def _choice(k: KernelWriter, ports: tuple[Port, ...]) -> sp.Matrix:
+        """The signs of a branch, or the point that chooses it, as a vector; empty where there is no choice."""
+        return k.add_input(ports[0]) if ports else sp.Matrix(0, 1, [])
 
     def _posture(self) -> Kernel:
         doc = f"Posture of the {self.leg.notation} sub-leg: what its velocity equations are made of."
@@ -96,9 +106,11 @@ class SubLegKernels:
             self.leg.equations,
             self.geometry,
         )
-        theta, radicands = self.leg.inverse(k, k.add_input(self.ports.s), k.add_input(self.ports.mode))
+        s, mode = k.add_input(self.ports.s), self._choice(k, self.ports.mode_choice)
+        swivel = k.add_input(self.ports.swivel) if self.leg.redundant else None
+        theta, radicands = self.leg.inverse(k, s, mode, swivel)
         k.add_output(self.ports.theta, theta)
-        worst = radicands[0] if len(radicands) == 1 else k.minimum(*radicands)
+        worst = k.minimum(*radicands) if radicands else sp.Integer(1)
         k.output("radicand", worst, Unit.MIXED, doc="not negative where the mode exists")
         return k.kernel()
 
@@ -111,8 +123,13 @@ class SubLegKernels:
             self.leg.equations,
             self.geometry,
         )
-        s = k.add_input(self.ports.s)
-        found = [k.call(inverse, s=s, mode=sp.Matrix(mode.signs)) for mode in self.leg.modes]
+        arguments = {"s": k.add_input(self.ports.s)}
+        if self.leg.redundant:
+            arguments["swivel"] = k.add_input(self.ports.swivel)
+        found = [
+            k.call(inverse, **arguments, **({"mode": sp.Matrix(mode.signs)} if mode.signs else {}))
+            for mode in self.leg.modes
+        ]
         k.add_output(self.ports.theta_all, [mode.theta for mode in found])
         best = k.maximum(*dict.fromkeys(mode.radicand for mode in found))
         k.output("radicand", best, Unit.MIXED, doc="not negative where at least one mode exists")
@@ -125,13 +142,9 @@ class SubLegKernels:
             "",
             self.geometry,
         )
-        k.output(
-            "excess",
-            self.leg.reach(k, k.add_input(self.ports.s), k.add_input(self.ports.mode)),
-            Unit.METRE,
-            doc="positive out of reach",
-        )
-        return k.kernel()
+        s, mode = k.add_input(self.ports.s), self._choice(k, self.ports.mode_choice)
+        k.output("excess", self.leg.reach(k, s, mode), Unit.METRE, doc="positive out of reach")
+        return k.kernel(prune=("s", "mode"))
 
     def _jacobian(self) -> Kernel:
         k = KernelWriter(
@@ -141,10 +154,14 @@ class SubLegKernels:
             self.geometry,
         )
         equations = self.leg.velocity(k, self._at(k))
-        local = k.let("m", _solve_columns(equations.A, equations.B), "A^-1 B in the leg's frame")
-        k.add_output(self.ports.M, equations.F * local)
+        k.add_output(self.ports.M, equations.F * self._local_jacobian(k, equations))
         self._regularity(k, equations.parallel)
         return self._end(k)
+
+    def _local_jacobian(self, k: KernelWriter, equations: VelocityEquations) -> sp.Matrix:
+        """M_i in the leg's frame: the rows of A^-1 B that belong to the end point."""
+        rows = _solve_columns(equations.A, equations.B)[: self.leg.space.dimension, :]
+        return k.let("m", rows, "A^-1 B in the leg's frame")
 
     def _project(self) -> Kernel:
         k = KernelWriter(
@@ -156,7 +173,7 @@ class SubLegKernels:
         )
         equations = self.leg.velocity(k, self._at(k))
         rows = k.add_input(self.ports.N)
-        local = k.let("m", _solve_columns(equations.A, equations.B), "A^-1 B in the leg's frame")
+        local = self._local_jacobian(k, equations)
         turned = k.let("n", rows * equations.F, "N in the leg's frame")
         k.add_output(self.ports.K, turned * local)
         self._regularity(k, equations.parallel)
@@ -171,8 +188,8 @@ class SubLegKernels:
         )
         equations = self.leg.velocity(k, self._at(k))
         right = k.let("w", equations.B * k.add_input(self.ports.theta_dot), "B theta_dot")
-        local = k.let("v_l", solve_structured(equations.A, right), "velocity in the leg's frame")
-        k.add_output(self.ports.s_dot, equations.F * local)
+        local = solve_structured(equations.A, right)[: self.leg.space.dimension, :]
+        k.add_output(self.ports.s_dot, equations.F * k.let("v_l", local, "velocity in the leg's frame"))
         self._regularity(k, equations.parallel)
         return self._end(k)
 
@@ -194,17 +211,24 @@ class SubLegKernels:
         value, rate = k.call_tangent(velocity, "s_dot", arguments, {"s": found.s_dot, "theta": theta_dot})
         k.add_output(self.ports.s_dot, value)
         k.add_output(self.ports.bias, rate)
+        if self.leg.redundant:
+            directions = {"s": found.s_dot, "theta": theta_dot}
+            _, swivel_bias = k.call_tangent(velocity, "swivel_rates", arguments, directions)
+            k.add_output(self.ports.swivel_bias, swivel_bias)
         if hasattr(found, "regularity"):
             k.output("regularity", found.regularity, doc=REGULARITY_DOC)
         return k.kernel()
 
     def _velocity_from_joints(self) -> Kernel:
-        """s_dot as a function of s, theta and theta_dot, to be differentiated."""
+        """s_dot (and the swivel's rate) as a function of s, theta and theta_dot, to be differentiated."""
         k = KernelWriter("velocity_from_joints", "M theta_dot.", geometry=self.geometry)
         found = self.leg.posture(k, k.add_input(self.ports.s), k.add_input(self.ports.theta))
         equations = self.leg.velocity(k, SimpleNamespace(**found))
         local = solve_structured(equations.A, equations.B * k.add_input(self.ports.theta_dot))
-        k.add_output(self.ports.s_dot, equations.F * local)
+        d = self.leg.space.dimension
+        k.add_output(self.ports.s_dot, equations.F * local[:d, :])
+        if self.leg.redundant:
+            k.add_output(self.ports.swivel_rates, local[d])
         self._regularity(k, equations.parallel)
         return k.kernel()
 
@@ -219,6 +243,8 @@ class SubLegKernels:
         )
         equations = self.leg.velocity(k, self._at(k))
         local = k.let("v_l", equations.F.T * k.add_input(self.ports.s_dot), "velocity in the leg's frame")
+        if self.leg.redundant:
+            local = sp.Matrix([*local, k.add_input(self.ports.swivel_rates)])
         right = k.let("w", equations.A * local, "A s_dot")
         k.add_output(self.ports.theta_dot, solve_structured(equations.B, right))
         self._regularity(k, equations.serial)
@@ -233,7 +259,12 @@ class SubLegKernels:
             self.geometry,
         )
         equations = self.leg.velocity(k, self._at(k))
-        k.output("det_M", equations.determinant, Unit.MIXED, doc="det M_i")
+        if self.leg.redundant:
+            minors = _minors(self._local_jacobian(k, equations))
+            gram = sum((k.let(f"minor_{i}", minor) ** 2 for i, minor in enumerate(minors)), sp.Integer(0))
+            k.output("det_M", sp.sqrt(gram), Unit.MIXED, doc="sqrt(det(M_i M_i^T))")
+        else:
+            k.output("det_M", equations.determinant, Unit.MIXED, doc="det M_i")
         factors = [factor.value for factor in (*equations.serial, *equations.parallel)]
         k.add_output(self.ports.factors(len(factors)), factors)
         return self._end(k)
@@ -251,6 +282,63 @@ class SubLegKernels:
         k.add_output(self.ports.link, found.link)
         return self._end(k)
 
+    def points(self) -> Kernel:
+        """Where the joints are."""
+        k = KernelWriter(
+            "points", f"Joints of the {self.leg.notation} sub-leg, from the base to S_i.", "", self.geometry
+        )
+        at, s = self._at(k), k.add_input(self.ports.s)
+        found = self.leg.points(k, at, s)
+        names = tuple(found)
+        k.add_output(self.ports.points(names), sp.Matrix.hstack(*found.values()).T)
+        return self._end(k)
+
+    def _swivel(self) -> Kernel:
+        k = KernelWriter("swivel", f"Swivel of the {self.leg.notation} sub-leg.", "", self.geometry)
+        k.add_output(self.ports.swivel, self.leg.swivel_angle(k, self._at(k)))
+        return self._end(k)
+
+    # -- Newton steps, where there is no closed form --------------------------------------------------------
+
+    def forward_step(self) -> Kernel:
+        """One Newton step of the forward kinematics: s + ds with f + (df/ds) ds = 0."""
+        return self._newton_step("forward_step", self.ports.s, self.ports.theta)
+
+    def inverse_step(self) -> Kernel:
+        """One Newton step of the inverse kinematics: theta + dtheta with f + (df/dtheta) dtheta = 0."""
+        return self._newton_step("inverse_step", self.ports.theta, self.ports.s)
+
+    def _newton_step(self, name: str, unknown: Port, given: Port) -> Kernel:
+        what = "forward" if unknown is self.ports.s else "inverse"
+        k = KernelWriter(
+            name,
+            f"One Newton step of the {what} kinematics of the {self.leg.notation} sub-leg, from its loop closure.",
+            "",
+            self.geometry,
+        )
+        arguments = {given.name: k.add_input(given), unknown.name: k.add_input(unknown)}
+        closure = self.closure()
+        residual, columns = None, []
+        for j in range(unknown.size):
+            unit = sp.Matrix([1 if i == j else 0 for i in range(unknown.size)])
+            residual, column = k.call_tangent(closure, "residual", arguments, {unknown.name: unit})
+            columns.append(column)
+        assert residual is not None
+        if residual.rows != unknown.size:
+            raise ValueError(
+                f"{self.leg.name}: {residual.rows} closure equations do not determine {unknown.size} unknowns; "
+                f"state `{what}` in closed form"
+            )
+        slope = k.let("df", sp.Matrix.hstack(*columns), f"df/d{unknown.name}")
+        step = k.let("step", -solve_structured(slope, k.let("f", residual, "loop closure")))
+        start = arguments[unknown.name]
+        k.add_output(
+            replace(unknown, name=f"{unknown.name}_next", doc=f"{unknown.doc}, one step on"), start + step
+        )
+        size = k.let("size", dot(start, start), "squared length of the unknowns")
+        k.output("change", dot(step, step) / size, doc="squared length of the step over that of the unknowns")
+        return k.kernel()
+
     def _regularity(self, k: KernelWriter, factors: tuple[Factor, ...]) -> None:
         """The smallest absolute factor, which the caller compares with the tolerance for singular
         configurations.
@@ -259,6 +347,16 @@ class SubLegKernels:
             absolute = [k.absolute(factor.value) for factor in factors]
             worst = absolute[0] if len(absolute) == 1 else k.minimum(*absolute)
             k.output("regularity", worst, doc=REGULARITY_DOC)
+
+
+def _minors(m: sp.Matrix) -> list[Any]:
+    """Determinants of m (d x n) with n - d columns left out; their squares add up to det(m m^T)."""
+    chosen = (
+        m.extract(list(range(m.rows)), list(columns)) for columns in combinations(range(m.cols), m.rows)
+    )
+    return [
+        determinant3(square) if m.rows == 3 else cross2(square.col(0), square.col(1)) for square in chosen
+    ]
 
 
 def _solve_columns(a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
@@ -307,6 +405,41 @@ class SubLegPorts:
             stacked,
             assembly,
         )
+        self.s_near = Port(
+            "s_near",
+            (d,),
+            Unit.METRE,
+            Frame.BASE,
+            "a point near the end point, which chooses the assembly mode",
+            stacked,
+        )
+        joint = subleg.swivel
+        unit = Unit.RADIAN if joint is None or joint.kind == "revolute" else Unit.METRE
+        doc = "" if joint is None else joint.doc
+        self.swivel = Port("swivel", (), unit, Frame.JOINT, doc, stacked)
+        self.swivel_rates = Port(
+            "swivel_rates", (), Unit.ACTUATOR_RATE, Frame.JOINT, "rate of the swivel", stacked
+        )
+        self.swivel_accelerations = Port(
+            "swivel_accelerations",
+            (),
+            Unit.ACTUATOR_ACCELERATION,
+            Frame.JOINT,
+            "second rate of the swivel",
+            stacked,
+        )
+        self.swivel_bias = Port(
+            "swivel_bias",
+            (),
+            Unit.ACTUATOR_ACCELERATION,
+            Frame.JOINT,
+            "second rate of the swivel at theta_ddot = 0",
+            stacked,
+        )
+        # what chooses a branch: signs, a point nearby, or nothing
+        self.mode_choice = (self.mode,) if signs else ()
+        near = subleg.forward_near or not subleg.has_forward
+        self.forward_choice = (self.s_near,) if near else (self.assembly,) if assembly else ()
         self.theta_dot = Port(
             "theta_dot", (n,), Unit.ACTUATOR_RATE, Frame.JOINT, "rates of the actuated joints", stacked, names
         )
@@ -337,6 +470,13 @@ class SubLegPorts:
             "passive joints within the sub-leg",
             stacked,
             passive,
+        )
+
+    def points(self, names: tuple[str, ...]) -> Port:
+        """The port of the joints' positions."""
+        d = self.s.shape[0]
+        return Port(
+            "points", (len(names), d), Unit.METRE, Frame.BASE, "joints of the sub-leg", Layout.STACKED, names
         )
 
     def factors(self, count: int) -> Port:

@@ -12,7 +12,7 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward, Passive, Posture, SubLeg, VelocityEquations
 from krhpr.derivations.sublegs.first_axis import in_plane
 from krhpr.derivations.sublegs.two_link import outside, two_link
-from krhpr.derivations.terms import Factor, Joint, JointKind, Sign, Space
+from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Sign, Space
 from krhpr.derivations.vectors import E, cross2, dot
 
 
@@ -30,6 +30,7 @@ class RR(SubLeg):
         Joint("theta_2", JointKind.REVOLUTE, "second link relative to the first"),
     )
     inverse_signs = (Sign("elbow", "elbow+", "elbow-", "sign of sin(theta_2)"),)
+    links = (Link("l_1", LinkKind.PROXIMAL, "A", "E"), Link("l_2", LinkKind.DISTAL, "E", "S"))
     default_mode = "elbow+"
 
     def geometry(self) -> GeometryType:
@@ -51,7 +52,9 @@ class RR(SubLeg):
         d = k.let("d", k.g.l_1 * in_plane(theta[0]) + u_2, "r - o")
         return Forward(k.g.o + d, {"d": d, "u_2": u_2})
 
-    def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
+    def inverse(
+        self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
+    ) -> tuple[list[Any], list[Any]]:
         d = k.let("d", s - k.g.o, "r - o")
         arm = two_link(k, d[0], d[1], k.g.l_1, k.g.l_2, mode[0])
         return [arm.inner, arm.elbow], [arm.radicand]
@@ -83,6 +86,9 @@ class RR(SubLeg):
 
     def passive(self, k: KernelWriter, at: SimpleNamespace) -> Passive:
         return Passive((), at.u_2 / k.g.l_2)
+
+    def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
+        return {"A": k.g.o, "E": s - at.u_2, "S": s}
 
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         return s - self.forward(k, theta, sp.Matrix(0, 1, [])).s

@@ -24,6 +24,7 @@ from krhpr.derivations.sublegs.first_axis import (
     FRAME_PORTS,
     SHOULDER,
     axis_geometry,
+    in_base,
     in_plane,
     link_frame,
     linkage_frame,
@@ -31,9 +32,10 @@ from krhpr.derivations.sublegs.first_axis import (
     plane_coordinates,
     shoulder,
     shoulder_factor,
+    shoulder_points,
 )
 from krhpr.derivations.sublegs.two_link import outside, two_link
-from krhpr.derivations.terms import Factor, Joint, JointKind, Sign, Space
+from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Sign, Space
 from krhpr.derivations.vectors import E, cross2, dot
 
 
@@ -72,6 +74,13 @@ class RFiveBar(SubLeg):
             "P lies left or right of the directed line C -> E in the plane (x, e_1)",
         ),
     )
+    links = (
+        Link("l_1", LinkKind.FIXED, "A", "c"),
+        Link("l_4", LinkKind.PROXIMAL, "c", "E"),
+        Link("l_2", LinkKind.CRANK, "c", "C"),
+        Link("l_3", LinkKind.ROD, "C", "P"),
+        Link("l_5", LinkKind.DISTAL, "P", "S"),
+    )
     default_mode = "front/elbow-/rod-"
     default_assembly = "left"
 
@@ -102,7 +111,9 @@ class RFiveBar(SubLeg):
             place(k, x, d[0], d[1]), {"x": x, "e_2": e_2, "d": d, "u_1": u_1, "u_2": u_2}, radicand
         )
 
-    def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
+    def inverse(
+        self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
+    ) -> tuple[list[Any], list[Any]]:
         theta_1, r, y = shoulder(k, s, mode[0])
         outer = two_link(k, r, y, k.g.l_4, k.g.l_6, mode[1], elbow=False)
         pivot = self._pivot(k, r, y, outer.link)
@@ -167,6 +178,16 @@ class RFiveBar(SubLeg):
         angles = [k.atan2(cross2(a, b), dot(a, b)) for a, b in pairs]
         named = tuple(zip(self.passive_joints, angles, strict=True))
         return Passive(named, link_frame(k, at, v_1 / k.g.l_6))
+
+    def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
+        pivot = at.u_1 + self._ratio(k) * (at.d - at.u_1)
+        return {
+            **shoulder_points(k),
+            "E": in_base(k, at, at.u_1),
+            "C": in_base(k, at, at.u_2),
+            "P": in_base(k, at, k.let("p", pivot, "P - c")),
+            "S": s,
+        }
 
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         # (A.1), (A.5), (A.15)

@@ -19,6 +19,7 @@ from krhpr.derivations.sublegs.first_axis import (
     FRAME_PORTS,
     SHOULDER,
     axis_geometry,
+    in_base,
     in_plane,
     link_frame,
     linkage_frame,
@@ -26,9 +27,10 @@ from krhpr.derivations.sublegs.first_axis import (
     plane_coordinates,
     shoulder,
     shoulder_factor,
+    shoulder_points,
 )
 from krhpr.derivations.sublegs.two_link import outside, two_link
-from krhpr.derivations.terms import Factor, Joint, JointKind, Sign, Space
+from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Sign, Space
 from krhpr.derivations.vectors import cross2, dot
 
 
@@ -50,6 +52,11 @@ class RRR(SubLeg):
         Joint("theta_3", JointKind.REVOLUTE, "about e_2; link i3 relative to link i2"),
     )
     inverse_signs = (SHOULDER, Sign("elbow", "elbow+", "elbow-", "sign of sin(theta_3)"))
+    links = (
+        Link("l_1", LinkKind.FIXED, "A", "c"),
+        Link("l_2", LinkKind.PROXIMAL, "c", "E"),
+        Link("l_3", LinkKind.DISTAL, "E", "S"),
+    )
     default_mode = "front/elbow-"
 
     def geometry(self) -> GeometryType:
@@ -68,7 +75,9 @@ class RRR(SubLeg):
         d = k.let("d", k.g.l_2 * in_plane(theta[1]) + v_1, "s - c in (x, e_1)")
         return Forward(place(k, x, d[0], d[1]), {"x": x, "e_2": e_2, "d": d, "v_1": v_1})
 
-    def inverse(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> tuple[list[Any], list[Any]]:
+    def inverse(
+        self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
+    ) -> tuple[list[Any], list[Any]]:
         theta_1, r, y = shoulder(k, s, mode[0])
         arm = two_link(k, r, y, k.g.l_2, k.g.l_3, mode[1])
         return [theta_1, arm.inner, arm.elbow], [arm.radicand]
@@ -111,6 +120,9 @@ class RRR(SubLeg):
 
     def passive(self, k: KernelWriter, at: SimpleNamespace) -> Passive:
         return Passive((), link_frame(k, at, at.v_1 / k.g.l_3))
+
+    def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
+        return {**shoulder_points(k), "E": in_base(k, at, at.d - at.v_1), "S": s}
 
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         return s - self.forward(k, theta, sp.Matrix(0, 1, [])).s

@@ -566,7 +566,7 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status(
     for (int i = 0; i < 3; ++i) {
         double s[2];
         krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rr_reach(&g->subleg[i], s, mode + i, &excess[i]);
+        krhpr_subleg_planar_rr_reach(&g->subleg[i], s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -906,6 +906,54 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_passive_joints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_rr_a_link_points(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+        krhpr_fill_nan(points, 18);
+        krhpr_fill_nan(attachment, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    for (int i = 0; i < 3; ++i) {
+        double d[2];
+        double u_2[2];
+        krhpr_subleg_planar_rr_posture(
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
+        krhpr_subleg_planar_rr_points(&g->subleg[i], u_2, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_a_attachment(&g->platform[i], p, Q, attachment + 2 * i);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_rr_a_link_points_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rr_a_link_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
         first = first == KRHPR_OK ? here : first;

@@ -12,6 +12,8 @@
  * Working modes (signs elbow):
  *   elbow+                   {1}
  *   elbow-                   {-1}
+ * Assembly modes:
+ *   only                     {}
  */
 #ifndef KRHPR_PLANAR_RR_A_H
 #define KRHPR_PLANAR_RR_A_H
@@ -73,8 +75,7 @@ KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
-/* End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.  Thesis:
- * 3.5.
+/* End points of the sub-legs from the actuated joints.  Thesis: 3.5.
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   out    s (3 x 2, m, base frame): end point of the sub-leg, S_i
  */
@@ -331,6 +332,24 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints(
 /* Batch: in = p (2), phi (1), s (6), theta (6); out = wrist (3), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
+    const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+
+/* Where the joints of every leg are, and where its redundant link meets the platform: the ends of all
+ * straight links.
+ *   in     p (2, m, base frame): position of O'
+ *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
+ *   out    points (3 x 3 x 2, m, base frame): joints of the sub-leg [A, E, S]
+ *   out    attachment (3 x 2, m, base frame): joint or slider on the platform
+ */
+KRHPR_API int krhpr_planar_rr_a_link_points(
+    const krhpr_planar_rr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
+/* Batch: in = p (2), phi (1), s (6), theta (6); out = points (18), attachment (6); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rr_a_link_points_batch(
     const krhpr_planar_rr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 

@@ -205,6 +205,17 @@ static inline void krhpr_platform_planar_a_joint(
     tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
 }
 
+/* Where the redundant link meets the platform.  (4 add, 4 multiply) */
+static inline void krhpr_platform_planar_a_attachment(
+    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4],
+    double *KRHPR_RESTRICT attachment)
+{
+    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1];
+    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    attachment[0] = p[0] + Qb_0;
+    attachment[1] = p[1] + Qb_1;
+}
+
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
 static inline void krhpr_platform_planar_a_solve(

@@ -302,6 +302,19 @@ static inline void krhpr_platform_spatial_a_joint(
     tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
 }
 
+/* Where the redundant link meets the platform.  (6 add, 6 multiply) */
+static inline void krhpr_platform_spatial_a_attachment(
+    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9],
+    double *KRHPR_RESTRICT attachment)
+{
+    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1];
+    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
+    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    attachment[0] = p[0] + Qb_0;
+    attachment[1] = p[1] + Qb_1;
+    attachment[2] = p[2] + Qb_2;
+}
+
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
 static inline void krhpr_platform_spatial_a_solve(

@@ -240,6 +240,16 @@ static inline void krhpr_platform_spatial_c_joint(
     *platform_joint = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]);
 }
 
+/* Where the redundant link meets the platform.  (no operations) */
+static inline void krhpr_platform_spatial_c_attachment(
+    const krhpr_platform_spatial_c_geometry *g, const double s[3], double *KRHPR_RESTRICT attachment)
+{
+    (void)(g);
+    attachment[0] = s[0];
+    attachment[1] = s[1];
+    attachment[2] = s[2];
+}
+
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
 static inline void krhpr_platform_spatial_c_solve(

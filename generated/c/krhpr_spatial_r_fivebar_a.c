@@ -1067,6 +1067,55 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_r_fivebar_a_link_points(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
+{
+    int status = KRHPR_OK;
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+        krhpr_fill_nan(points, 54);
+        krhpr_fill_nan(attachment, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_posture_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        double x[3];
+        double e_2[3];
+        double d[2];
+        double u_1[2];
+        double u_2[2];
+        krhpr_subleg_r_fivebar_posture(
+            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_points(&g->subleg[i], x, d, u_1, u_2, s + 3 * i, points + 18 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_r_fivebar_a_link_points_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_r_fivebar_a_link_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_r_fivebar_a_singularity(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

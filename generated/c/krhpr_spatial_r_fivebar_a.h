@@ -389,6 +389,25 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Where the joints of every leg are, and where its redundant link meets the platform: the ends of all
+ * straight links.
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    points (3 x 6 x 3, m, base frame): joints of the sub-leg [A, c, E, C, P, S]
+ *   out    attachment (3 x 3, m, base frame): joint or slider on the platform
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_a_link_points(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
+/* Batch: in = p (3), Q (9), s (9), theta (9); out = points (54), attachment (9); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_r_fivebar_a_link_points_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Singular where the three redundant links' lines meet in a point or are parallel (det J_a =
  * 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35)).  Thesis: 1.4,

@@ -14,6 +14,8 @@
  *   front/elbow-             {1, -1}
  *   back/elbow+              {-1, 1}
  *   back/elbow-              {-1, -1}
+ * Assembly modes:
+ *   only                     {}
  */
 #ifndef KRHPR_SPATIAL_RRR_C_H
 #define KRHPR_SPATIAL_RRR_C_H
@@ -88,8 +90,7 @@ KRHPR_API int krhpr_spatial_rrr_c_redundant_coordinates_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
-/* End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.  Thesis:
- * 3.5.
+/* End points of the sub-legs from the actuated joints.  Thesis: 3.5.
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    s (3 x 3, m, base frame): end point of the sub-leg, S_i
  */
@@ -363,6 +364,25 @@ KRHPR_API int krhpr_spatial_rrr_c_passive_joints(
 /* Batch: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_rrr_c_passive_joints_batch(
+    const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* Where the joints of every leg are, and where its redundant link meets the platform: the ends of all
+ * straight links.
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    points (3 x 4 x 3, m, base frame): joints of the sub-leg [A, c, E, S]
+ *   out    attachment (3 x 3, m, base frame): joint or slider on the platform
+ */
+KRHPR_API int krhpr_spatial_rrr_c_link_points(
+    const krhpr_spatial_rrr_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
+/* Batch: in = p (3), Q (9), s (9), theta (9); out = points (36), attachment (9); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_rrr_c_link_points_batch(
     const krhpr_spatial_rrr_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);

@@ -143,10 +143,8 @@ static inline void krhpr_subleg_planar_rr_inverse_all(
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_planar_rr_reach(
-    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1],
-    double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    (void)(mode);
     const double d_0 = s[0] - g->o[0];
     const double d_1 = s[1] - g->o[1];
     const double distance = sqrt(d_0 * d_0 + d_1 * d_1);
@@ -264,6 +262,19 @@ static inline void krhpr_subleg_planar_rr_passive(
 {
     link[0] = u_2[0] * g->k[6];
     link[1] = u_2[1] * g->k[6];
+}
+
+/* Joints of the RR sub-leg, from the base to S_i.  (2 add) */
+static inline void krhpr_subleg_planar_rr_points(
+    const krhpr_subleg_planar_rr_geometry *g, const double u_2[2], const double s[2],
+    double *KRHPR_RESTRICT points)
+{
+    points[0] = g->o[0];
+    points[1] = g->o[1];
+    points[2] = s[0] - u_2[0];
+    points[3] = s[1] - u_2[1];
+    points[4] = s[0];
+    points[5] = s[1];
 }
 
 #endif

@@ -27,11 +27,11 @@ typedef struct {
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction, e_2 at theta_1 = 0 */
-    double k[20]; /* sub-expressions of the geometry alone, computed once */
+    double k[23]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_r_fivebar_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (11 add, 24 multiply, 7 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 7 divide, 2 sine
  * cosine, 2 select) */
 static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g)
 {
@@ -39,15 +39,19 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
     double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
     const double t2 = e_r_0 * t1;
     const double t3 = e_r_1 * t1;
+    const double t4 = g->l_1 * t2;
+    const double c_0 = g->R_b * e_r_0 - t4;
+    const double t5 = g->l_1 * t3;
+    const double c_1 = g->R_b * e_r_1 - t5;
     const double k_7 = 1.0 - g->l_5 / g->l_6;
-    const double t4 = g->l_6 - g->l_5;
-    const double t5 = g->l_4 - g->l_6;
-    const double t6 = g->l_4 + g->l_6;
-    const double t7 = g->l_2 - g->l_3;
-    const double t8 = g->l_2 + g->l_3;
+    const double t6 = g->l_6 - g->l_5;
+    const double t7 = g->l_4 - g->l_6;
+    const double t8 = g->l_4 + g->l_6;
+    const double t9 = g->l_2 - g->l_3;
+    const double t10 = g->l_2 + g->l_3;
     const double k_18 = 1.0 / g->l_6;
-    g->c[0] = g->R_b * e_r_0 - g->l_1 * t2;
-    g->c[1] = g->R_b * e_r_1 - g->l_1 * t3;
+    g->c[0] = c_0;
+    g->c[1] = c_1;
     g->c[2] = g->l_1 * e_1_2;
     g->e_x[0] = -e_r_0 * e_1_2;
     g->e_x[1] = -e_r_1 * e_1_2;
@@ -59,25 +63,28 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
     g->e_t[1] = e_r_0;
     g->e_t[2] = 0.0;
     g->k[0] = g->l_3 * g->l_3;
-    g->k[1] = t4 * t4;
+    g->k[1] = t6 * t6;
     g->k[2] = 1.0 / k_7;
-    g->k[3] = t5 * t5;
-    g->k[4] = t6 * t6;
+    g->k[3] = t7 * t7;
+    g->k[4] = t8 * t8;
     g->k[5] = g->l_4 * g->l_4;
     g->k[6] = g->l_6 * g->l_6;
     g->k[7] = k_7;
-    g->k[8] = t7 * t7;
-    g->k[9] = t8 * t8;
+    g->k[8] = t9 * t9;
+    g->k[9] = t10 * t10;
     g->k[10] = g->l_2 * g->l_2;
-    g->k[11] = fabs(t7);
-    g->k[12] = fabs(t5);
+    g->k[11] = fabs(t9);
+    g->k[12] = fabs(t7);
     g->k[13] = 1.0 - k_7;
     g->k[14] = 1.0 / (g->l_3 * g->l_6);
-    g->k[15] = 1.0 / t6;
+    g->k[15] = 1.0 / t8;
     g->k[16] = 1.0 / (g->l_4 * g->l_6);
     g->k[17] = 1.0 / (g->l_2 * g->l_3);
     g->k[18] = k_18;
     g->k[19] = 1.0 - g->l_5 * k_18;
+    g->k[20] = t4 + c_0;
+    g->k[21] = t5 + c_1;
+    g->k[22] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -676,6 +683,33 @@ static inline void krhpr_subleg_r_fivebar_passive(
     tail_x[0] = u_1[0] * v_1_0 + u_1[1] * v_1_1;
     tail_x[1] = u_2[0] * v_2_0 + u_2[1] * v_2_1;
     tail_x[2] = v_1_0 * v_2_0 + v_1_1 * v_2_1;
+}
+
+/* Joints of the R(RR-RRR) sub-leg, from the base to S_i.  (22 add, 20 multiply) */
+static inline void krhpr_subleg_r_fivebar_points(
+    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double d[2], const double u_1[2],
+    const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
+{
+    const double p_0 = u_1[0] + g->k[7] * (d[0] - u_1[0]);
+    const double p_1 = u_1[1] + g->k[7] * (d[1] - u_1[1]);
+    points[0] = g->k[20];
+    points[1] = g->k[21];
+    points[2] = g->k[22];
+    points[3] = g->c[0];
+    points[4] = g->c[1];
+    points[5] = g->c[2];
+    points[6] = g->c[0] + g->e_1[0] * u_1[1] + x[0] * u_1[0];
+    points[7] = g->c[1] + g->e_1[1] * u_1[1] + x[1] * u_1[0];
+    points[8] = g->c[2] + g->e_1[2] * u_1[1] + x[2] * u_1[0];
+    points[9] = g->c[0] + g->e_1[0] * u_2[1] + x[0] * u_2[0];
+    points[10] = g->c[1] + g->e_1[1] * u_2[1] + x[1] * u_2[0];
+    points[11] = g->c[2] + g->e_1[2] * u_2[1] + x[2] * u_2[0];
+    points[12] = g->c[0] + g->e_1[0] * p_1 + x[0] * p_0;
+    points[13] = g->c[1] + g->e_1[1] * p_1 + x[1] * p_0;
+    points[14] = g->c[2] + g->e_1[2] * p_1 + x[2] * p_0;
+    points[15] = s[0];
+    points[16] = s[1];
+    points[17] = s[2];
 }
 
 #endif

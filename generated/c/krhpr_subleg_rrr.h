@@ -24,11 +24,11 @@ typedef struct {
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction, e_2 at theta_1 = 0 */
-    double k[8]; /* sub-expressions of the geometry alone, computed once */
+    double k[11]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_rrr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 16 multiply, 3 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 3 divide, 2 sine
  * cosine, 1 select) */
 static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
 {
@@ -36,10 +36,14 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
     const double t2 = e_r_0 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->l_2 - g->l_3;
-    const double t5 = g->l_2 + g->l_3;
-    g->c[0] = g->R_b * e_r_0 - g->l_1 * t2;
-    g->c[1] = g->R_b * e_r_1 - g->l_1 * t3;
+    const double t4 = g->l_1 * t2;
+    const double c_0 = g->R_b * e_r_0 - t4;
+    const double t5 = g->l_1 * t3;
+    const double c_1 = g->R_b * e_r_1 - t5;
+    const double t6 = g->l_2 - g->l_3;
+    const double t7 = g->l_2 + g->l_3;
+    g->c[0] = c_0;
+    g->c[1] = c_1;
     g->c[2] = g->l_1 * e_1_2;
     g->e_x[0] = -e_r_0 * e_1_2;
     g->e_x[1] = -e_r_1 * e_1_2;
@@ -50,14 +54,17 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     g->e_t[0] = -e_r_1;
     g->e_t[1] = e_r_0;
     g->e_t[2] = 0.0;
-    g->k[0] = t4 * t4;
-    g->k[1] = t5 * t5;
+    g->k[0] = t6 * t6;
+    g->k[1] = t7 * t7;
     g->k[2] = g->l_2 * g->l_2;
     g->k[3] = g->l_3 * g->l_3;
-    g->k[4] = fabs(t4);
-    g->k[5] = 1.0 / t5;
+    g->k[4] = fabs(t6);
+    g->k[5] = 1.0 / t7;
     g->k[6] = 1.0 / (g->l_2 * g->l_3);
     g->k[7] = 1.0 / g->l_3;
+    g->k[8] = t4 + c_0;
+    g->k[9] = t5 + c_1;
+    g->k[10] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
@@ -202,10 +209,8 @@ static inline void krhpr_subleg_rrr_inverse_all(
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 3 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_rrr_reach(
-    const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2],
-    double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_rrr_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
 {
-    (void)(mode);
     const double d_0 = s[0] - g->c[0];
     const double d_1 = s[1] - g->c[1];
     const double d_2 = s[2] - g->c[2];
@@ -399,6 +404,27 @@ static inline void krhpr_subleg_rrr_passive(
     link[6] = along_2;
     link[7] = across_2;
     link[8] = e_2[2];
+}
+
+/* Joints of the RRR sub-leg, from the base to S_i.  (8 add, 6 multiply) */
+static inline void krhpr_subleg_rrr_points(
+    const krhpr_subleg_rrr_geometry *g, const double x[3], const double d[2], const double v_1[2],
+    const double s[3], double *KRHPR_RESTRICT points)
+{
+    const double t1 = d[1] - v_1[1];
+    const double t2 = d[0] - v_1[0];
+    points[0] = g->k[8];
+    points[1] = g->k[9];
+    points[2] = g->k[10];
+    points[3] = g->c[0];
+    points[4] = g->c[1];
+    points[5] = g->c[2];
+    points[6] = g->c[0] + g->e_1[0] * t1 + x[0] * t2;
+    points[7] = g->c[1] + g->e_1[1] * t1 + x[1] * t2;
+    points[8] = g->c[2] + g->e_1[2] * t1 + x[2] * t2;
+    points[9] = s[0];
+    points[10] = s[1];
+    points[11] = s[2];
 }
 
 #endif

@@ -75,7 +75,7 @@ def redundant_coordinates(geometry: Any) -> Any:
 
 
 def subleg_forward(geometry: Any) -> Any:
-    """End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN."""
+    """End points of the sub-legs from the actuated joints."""
     call = rt.Call(
         "subleg_forward",
         (
@@ -288,7 +288,7 @@ def inverse_status(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), Q, call.leg("redundant", i))
-        excess_i = subleg.reach(subleg.prepare(fields), s_i, call.leg("mode", i))
+        excess_i = subleg.reach(subleg.prepare(fields), s_i)
         excess += excess_i
     return call.function({"excess": excess})
 
@@ -467,6 +467,36 @@ def passive_joints(geometry: Any) -> Any:
     return call.function({"wrist": wrist, "platform_joint": platform_joint})
 
 
+def link_points(geometry: Any) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links."""
+    call = rt.Call(
+        "link_points",
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("theta", (3, 2), "stacked"),
+        ),
+        (
+            rt.Port("points", (3, 3, 2), "stacked"),
+            rt.Port("attachment", (3, 2), "stacked"),
+        ),
+        geometry,
+    )
+    Q = algebra.rotation(call.whole("phi"))
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        _d, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), u_2_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("p", i), Q)
+        points += points_i
+        attachment += attachment_i
+    return call.function({"points": points, "attachment": attachment})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where the three redundant links' lines meet in a point or are
@@ -525,5 +555,6 @@ FUNCTIONS = {
     "platform_acceleration": platform_acceleration,
     "joint_accelerations": joint_accelerations,
     "passive_joints": passive_joints,
+    "link_points": link_points,
     "singularity": singularity,
 }

@@ -496,6 +496,36 @@ def passive_joints(geometry: Any) -> Any:
     return call.function({"passive": passive, "spherical": spherical, "platform_joint": platform_joint})
 
 
+def link_points(geometry: Any) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links."""
+    call = rt.Call(
+        "link_points",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("points", (3, 6, 3), "stacked"),
+            rt.Port("attachment", (3, 3), "stacked"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        x_i, _e_2, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), x_i, d_i, u_1_i, u_2_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("p", i), call.leg("Q", i))
+        points += points_i
+        attachment += attachment_i
+    return call.function({"points": points, "attachment": attachment})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where the three redundant links' lines meet in a point or are
@@ -556,5 +586,6 @@ FUNCTIONS = {
     "platform_acceleration": platform_acceleration,
     "joint_accelerations": joint_accelerations,
     "passive_joints": passive_joints,
+    "link_points": link_points,
     "singularity": singularity,
 }

@@ -91,7 +91,7 @@ def redundant_coordinates(geometry: Any) -> Any:
 
 
 def subleg_forward(geometry: Any) -> Any:
-    """End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN."""
+    """End points of the sub-legs from the actuated joints."""
     call = rt.Call(
         "subleg_forward",
         (
@@ -307,7 +307,7 @@ def inverse_status(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_i = platform.end_point(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
-        excess_i = subleg.reach(subleg.prepare(fields), s_i, call.leg("mode", i))
+        excess_i = subleg.reach(subleg.prepare(fields), s_i)
         excess += excess_i
     return call.function({"excess": excess})
 
@@ -487,6 +487,35 @@ def passive_joints(geometry: Any) -> Any:
     return call.function({"spherical": spherical, "platform_joint": platform_joint})
 
 
+def link_points(geometry: Any) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links."""
+    call = rt.Call(
+        "link_points",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("points", (3, 4, 3), "stacked"),
+            rt.Port("attachment", (3, 3), "stacked"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        x_i, _e_2, d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), x_i, d_i, v_1_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("s", i))
+        points += points_i
+        attachment += attachment_i
+    return call.function({"points": points, "attachment": attachment})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Free of type II singularities if all d_i >= 0 and at most one is zero
@@ -546,5 +575,6 @@ FUNCTIONS = {
     "platform_acceleration": platform_acceleration,
     "joint_accelerations": joint_accelerations,
     "passive_joints": passive_joints,
+    "link_points": link_points,
     "singularity": singularity,
 }

@@ -134,7 +134,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
+def reach(g: Any, s: Any) -> tuple[Any, ...]:
     """Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1
     square root, 1 select)"""
     s_0, s_1 = s
@@ -273,4 +273,18 @@ def passive(g: Any, u_2: Any) -> tuple[Any, ...]:
     return (
         u_2_0 * g.k[6],
         u_2_1 * g.k[6],
+    )
+
+
+def points(g: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
+    """Joints of the RR sub-leg, from the base to S_i.  (2 add)"""
+    u_2_0, u_2_1 = u_2
+    s_0, s_1 = s
+    return (
+        g.o[0],
+        g.o[1],
+        s_0 - u_2_0,
+        s_1 - u_2_1,
+        s_0,
+        s_1,
     )

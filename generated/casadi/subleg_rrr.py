@@ -32,8 +32,12 @@ def prepare(fields: Any) -> SimpleNamespace:
     e_1_2 = ca.sin(alpha)
     t2 = e_r_0 * t1
     t3 = e_r_1 * t1
-    t4 = l_2 - l_3
-    t5 = l_2 + l_3
+    t4 = l_1 * t2
+    c_0 = R_b * e_r_0 - t4
+    t5 = l_1 * t3
+    c_1 = R_b * e_r_1 - t5
+    t6 = l_2 - l_3
+    t7 = l_2 + l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -41,11 +45,11 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_1=fields["l_1"],
         l_2=fields["l_2"],
         l_3=fields["l_3"],
-        c=(R_b * e_r_0 - l_1 * t2, R_b * e_r_1 - l_1 * t3, l_1 * e_1_2,),
+        c=(c_0, c_1, l_1 * e_1_2,),
         e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_r_0, 0,),
-        k=(t4 * t4, t5 * t5, l_2 * l_2, l_3 * l_3, ca.fabs(t4), 1 / t5, 1 / (l_2 * l_3), 1 / l_3,),
+        k=(t6 * t6, t7 * t7, l_2 * l_2, l_3 * l_3, ca.fabs(t6), 1 / t7, 1 / (l_2 * l_3), 1 / l_3, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -196,7 +200,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
+def reach(g: Any, s: Any) -> tuple[Any, ...]:
     """Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 3 multiply,
     1 square root, 1 select)"""
     s_0, s_1, s_2 = s
@@ -428,4 +432,28 @@ def passive(g: Any, x: Any, e_2: Any, v_1: Any) -> tuple[Any, ...]:
         along_2,
         across_2,
         e_2_2,
+    )
+
+
+def points(g: Any, x: Any, d: Any, v_1: Any, s: Any) -> tuple[Any, ...]:
+    """Joints of the RRR sub-leg, from the base to S_i.  (8 add, 6 multiply)"""
+    x_0, x_1, x_2 = x
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    s_0, s_1, s_2 = s
+    t1 = d_1 - v_1_1
+    t2 = d_0 - v_1_0
+    return (
+        g.k[8],
+        g.k[9],
+        g.k[10],
+        g.c[0],
+        g.c[1],
+        g.c[2],
+        g.c[0] + g.e_1[0] * t1 + x_0 * t2,
+        g.c[1] + g.e_1[1] * t1 + x_1 * t2,
+        g.c[2] + g.e_1[2] * t1 + x_2 * t2,
+        s_0,
+        s_1,
+        s_2,
     )

@@ -39,6 +39,7 @@ __all__ = [
     "jacobians",
     "joint_accelerations",
     "joint_rates",
+    "link_points",
     "passive_joints",
     "platform_acceleration",
     "redundant_coordinates",
@@ -59,9 +60,14 @@ MODES = {
 DEFAULT_MODE = "elbow+"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
-DEFAULT_ASSEMBLY = ""
+DEFAULT_ASSEMBLY = "only"
 ANGULAR = (True, True,)
-DOCUMENTATION = {
+LINKS = (
+    ("l_1", "proximal", "A", "E"),
+    ("l_2", "distal", "E", "S"),
+)
+REDUNDANT_LINK = "l_r"
+DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
         ("R_b", "circumradius of the base"),
@@ -90,6 +96,8 @@ DOCUMENTATION = {
         ("theta_2", "second link relative to the first"),
     ),
     "passive": (
+    ),
+    "swivel": (
     ),
     "redundant": (
         ("beta", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'"),
@@ -152,7 +160,7 @@ SIGNATURES = {
     ),
     "subleg_forward": rt.Signature(
         "subleg_forward",
-        "End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.",
+        "End points of the sub-legs from the actuated joints.",
         "3.5",
         (
             rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", )),
@@ -379,6 +387,22 @@ SIGNATURES = {
         ),
         "(2),(),(3,2),(3,2)->(3),(3),()",
     ),
+    "link_points": rt.Signature(
+        "link_points",
+        "Where the joints of every leg are, and where its redundant link meets the platform: the ends of all straight links.",
+        "",
+        (
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation of the platform, base from platform", "shared", ()),
+            rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", )),
+        ),
+        (
+            rt.Port("points", (3, 3, 2), "m", "base", "joints of the sub-leg", "stacked", ("A", "E", "S", )),
+            rt.Port("attachment", (3, 2), "m", "base", "joint or slider on the platform", "stacked", ()),
+        ),
+        "(2),(),(3,2),(3,2)->(3,3,2),(3,2),()",
+    ),
     "singularity": rt.Signature(
         "singularity",
         "Determinants of the legs and their factors; the factors of det J and margins that are positive inside the working box.  Singular where the three redundant links' lines meet in a point or are parallel.",
@@ -419,6 +443,13 @@ class PassiveJoints(NamedTuple):
 
     wrist: Any
     platform_joint: Any
+
+
+class LinkPoints(NamedTuple):
+    """Results of `link_points`."""
+
+    points: Any
+    attachment: Any
 
 
 class Singularity(NamedTuple):
@@ -500,7 +531,7 @@ def redundant_coordinates(
 
 
 def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
-    """End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.
+    """End points of the sub-legs from the actuated joints.
 
     Thesis: 3.5.
 
@@ -821,7 +852,7 @@ def inverse_status(
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         s = platform.end_point(g.platform, arguments.leg("p"), Q, arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
+        excess = subleg.reach(g.subleg, s)
         results = arguments.finish(
             {
                 "excess": excess,
@@ -1049,6 +1080,41 @@ def passive_joints(
             },
         )
     answer = PassiveJoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def link_points(
+    p: Any, phi: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links.
+
+    Args:
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation of the platform, base from platform
+        s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 2) [rad or m]: actuated joints [theta_1, theta_2]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        points (..., 3, 3, 2) [m] in the base frame: joints of the sub-leg [A, E, S]
+        attachment (..., 3, 2) [m] in the base frame: joint or slider on the platform
+    """
+    arguments = rt.Arguments(SIGNATURES["link_points"], (p, phi, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        Q = algebra.rotation(arguments.whole("phi"))
+        _d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, u_2, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("p"), Q)
+        results = arguments.finish(
+            {
+                "points": points,
+                "attachment": attachment,
+            },
+        )
+    answer = LinkPoints(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -246,6 +246,18 @@ def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
+def attachment(g: Any, p: Any, Q: Any) -> tuple[Any, ...]:
+    """Where the redundant link meets the platform.  (4 add, 4 multiply)"""
+    p_0, p_1 = p
+    Q_00, Q_01, Q_10, Q_11 = Q
+    Qb_0 = g.b[0] * Q_00 + g.b[1] * Q_01
+    Qb_1 = g.b[0] * Q_10 + g.b[1] * Q_11
+    return (
+        p_0 + Qb_0,
+        p_1 + Qb_1,
+    )
+
+
 def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     """The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis:
     (1.30).  (27 add, 53 multiply, 2 divide)"""

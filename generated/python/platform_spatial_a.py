@@ -343,6 +343,20 @@ def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
+def attachment(g: Any, p: Any, Q: Any) -> tuple[Any, ...]:
+    """Where the redundant link meets the platform.  (6 add, 6 multiply)"""
+    p_0, p_1, p_2 = p
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
+    Qb_0 = g.b[0] * Q_00 + g.b[1] * Q_01
+    Qb_1 = g.b[0] * Q_10 + g.b[1] * Q_11
+    Qb_2 = g.b[0] * Q_20 + g.b[1] * Q_21
+    return (
+        p_0 + Qb_0,
+        p_1 + Qb_1,
+        p_2 + Qb_2,
+    )
+
+
 def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     """The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis:
     (1.30).  (64 add, 98 multiply, 4 divide)"""

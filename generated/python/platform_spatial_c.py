@@ -288,6 +288,16 @@ def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
+def attachment(g: Any, s: Any) -> tuple[Any, ...]:
+    """Where the redundant link meets the platform.  (no operations)"""
+    s_0, s_1, s_2 = s
+    return (
+        s_0,
+        s_1,
+        s_2,
+    )
+
+
 def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     """The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis:
     (1.30).  (64 add, 98 multiply, 4 divide)"""

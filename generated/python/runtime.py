@@ -8,7 +8,7 @@ operation serves three legs and every element of the batch.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 from math import prod
 from typing import Any, NamedTuple
@@ -204,6 +204,22 @@ def legs(parts: tuple[Any, ...]) -> tuple[Any, ...]:
 def _wide(part: Any) -> tuple[int, ...]:
     shape = np.shape(part)
     return (LEGS, *shape[1:]) if shape else (LEGS,)
+
+
+def repeat(step: Callable[[Any], Any], start: Any, tolerance: float, limit: int) -> tuple[Any, Any]:
+    """Repeat `step` (state -> next state, change) until no change is above the tolerance, `limit` times at most.
+
+    What has converged is left as it is.  Returns the last state and its change.
+    """
+    state, change = start, np.full((), np.inf)
+    for _ in range(limit):
+        goes_on = ~(change <= tolerance)
+        after, (moved,) = step(state)
+        state = tuple(np.where(goes_on, new, old) for new, old in zip(after, state, strict=True))
+        change = np.where(goes_on, moved, change)
+        if (change <= tolerance).all():
+            break
+    return state, (change,)
 
 
 def nearest(found: Any, wanted: Any, is_angle: Sequence[bool]) -> Any:

@@ -40,6 +40,7 @@ __all__ = [
     "jacobians",
     "joint_accelerations",
     "joint_rates",
+    "link_points",
     "passive_joints",
     "platform_acceleration",
     "redundant_coordinates",
@@ -71,7 +72,15 @@ ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = "left"
 ANGULAR = (True, True, True,)
-DOCUMENTATION = {
+LINKS = (
+    ("l_1", "fixed", "A", "c"),
+    ("l_4", "proximal", "c", "E"),
+    ("l_2", "crank", "c", "C"),
+    ("l_3", "rod", "C", "P"),
+    ("l_5", "distal", "P", "S"),
+)
+REDUNDANT_LINK = "l_r"
+DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
         ("R_b", "circumradius of the base"),
@@ -117,6 +126,8 @@ DOCUMENTATION = {
         ("crank_1", "E, tip of u_1: distal link v_1 relative to u_1"),
         ("crank_2", "C, tip of u_2: rod v_2 relative to u_2"),
         ("rod", "P: distal link v_1 relative to the rod v_2"),
+    ),
+    "swivel": (
     ),
     "redundant": (
         ("beta", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'"),
@@ -428,6 +439,22 @@ SIGNATURES = {
         ),
         "(3),(3,3),(3,3),(3,3)->(3,3),(3,3,3),(3),()",
     ),
+    "link_points": rt.Signature(
+        "link_points",
+        "Where the joints of every leg are, and where its redundant link meets the platform: the ends of all straight links.",
+        "",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("points", (3, 6, 3), "m", "base", "joints of the sub-leg", "stacked", ("A", "c", "E", "C", "P", "S", )),
+            rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(3,6,3),(3,3),()",
+    ),
     "singularity": rt.Signature(
         "singularity",
         "Determinants of the legs and their factors; the factors of det J and margins that are positive inside the working box.  Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35)).",
@@ -469,6 +496,13 @@ class PassiveJoints(NamedTuple):
     passive: Any
     spherical: Any
     platform_joint: Any
+
+
+class LinkPoints(NamedTuple):
+    """Results of `link_points`."""
+
+    points: Any
+    attachment: Any
 
 
 class Singularity(NamedTuple):
@@ -1150,6 +1184,40 @@ def passive_joints(
             },
         )
     answer = PassiveJoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def link_points(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        points (..., 3, 6, 3) [m] in the base frame: joints of the sub-leg [A, c, E, C, P, S]
+        attachment (..., 3, 3) [m] in the base frame: joint or slider on the platform
+    """
+    arguments = rt.Arguments(SIGNATURES["link_points"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        x, _e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, x, d, u_1, u_2, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("p"), arguments.leg("Q"))
+        results = arguments.finish(
+            {
+                "points": points,
+                "attachment": attachment,
+            },
+        )
+    answer = LinkPoints(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

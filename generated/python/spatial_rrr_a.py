@@ -40,6 +40,7 @@ __all__ = [
     "jacobians",
     "joint_accelerations",
     "joint_rates",
+    "link_points",
     "passive_joints",
     "platform_acceleration",
     "redundant_coordinates",
@@ -63,9 +64,15 @@ MODES = {
 DEFAULT_MODE = "front/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
-DEFAULT_ASSEMBLY = ""
+DEFAULT_ASSEMBLY = "only"
 ANGULAR = (True, True, True,)
-DOCUMENTATION = {
+LINKS = (
+    ("l_1", "fixed", "A", "c"),
+    ("l_2", "proximal", "c", "E"),
+    ("l_3", "distal", "E", "S"),
+)
+REDUNDANT_LINK = "l_r"
+DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
         ("R_b", "circumradius of the base"),
@@ -100,6 +107,8 @@ DOCUMENTATION = {
         ("theta_3", "about e_2; link i3 relative to link i2"),
     ),
     "passive": (
+    ),
+    "swivel": (
     ),
     "redundant": (
         ("beta", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'"),
@@ -177,7 +186,7 @@ SIGNATURES = {
     ),
     "subleg_forward": rt.Signature(
         "subleg_forward",
-        "End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.",
+        "End points of the sub-legs from the actuated joints.",
         "3.5",
         (
             rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
@@ -404,6 +413,22 @@ SIGNATURES = {
         ),
         "(3),(3,3),(3,3),(3,3)->(3,3,3),(3),()",
     ),
+    "link_points": rt.Signature(
+        "link_points",
+        "Where the joints of every leg are, and where its redundant link meets the platform: the ends of all straight links.",
+        "",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("points", (3, 4, 3), "m", "base", "joints of the sub-leg", "stacked", ("A", "c", "E", "S", )),
+            rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(3,4,3),(3,3),()",
+    ),
     "singularity": rt.Signature(
         "singularity",
         "Determinants of the legs and their factors; the factors of det J and margins that are positive inside the working box.  Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35)).",
@@ -444,6 +469,13 @@ class PassiveJoints(NamedTuple):
 
     spherical: Any
     platform_joint: Any
+
+
+class LinkPoints(NamedTuple):
+    """Results of `link_points`."""
+
+    points: Any
+    attachment: Any
 
 
 class Singularity(NamedTuple):
@@ -546,7 +578,7 @@ def redundant_coordinates(
 
 
 def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
-    """End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.
+    """End points of the sub-legs from the actuated joints.
 
     Thesis: 3.5.
 
@@ -866,7 +898,7 @@ def inverse_status(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
+        excess = subleg.reach(g.subleg, s)
         results = arguments.finish(
             {
                 "excess": excess,
@@ -1101,6 +1133,40 @@ def passive_joints(
             },
         )
     answer = PassiveJoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def link_points(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        points (..., 3, 4, 3) [m] in the base frame: joints of the sub-leg [A, c, E, S]
+        attachment (..., 3, 3) [m] in the base frame: joint or slider on the platform
+    """
+    arguments = rt.Arguments(SIGNATURES["link_points"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        x, _e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, x, d, v_1, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("p"), arguments.leg("Q"))
+        results = arguments.finish(
+            {
+                "points": points,
+                "attachment": attachment,
+            },
+        )
+    answer = LinkPoints(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -39,6 +39,7 @@ __all__ = [
     "jacobians",
     "joint_accelerations",
     "joint_rates",
+    "link_points",
     "passive_joints",
     "platform_acceleration",
     "redundant_coordinates",
@@ -62,9 +63,15 @@ MODES = {
 DEFAULT_MODE = "front/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
-DEFAULT_ASSEMBLY = ""
+DEFAULT_ASSEMBLY = "only"
 ANGULAR = (True, True, True,)
-DOCUMENTATION = {
+LINKS = (
+    ("l_1", "fixed", "A", "c"),
+    ("l_2", "proximal", "c", "E"),
+    ("l_3", "distal", "E", "S"),
+)
+REDUNDANT_LINK = ""
+DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
         ("R_b", "circumradius of the base"),
@@ -95,6 +102,8 @@ DOCUMENTATION = {
         ("theta_3", "about e_2; link i3 relative to link i2"),
     ),
     "passive": (
+    ),
+    "swivel": (
     ),
     "redundant": (
         ("d", "slide d_i of S_i along t_i = e_r, from O', signed"),
@@ -170,7 +179,7 @@ SIGNATURES = {
     ),
     "subleg_forward": rt.Signature(
         "subleg_forward",
-        "End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.",
+        "End points of the sub-legs from the actuated joints.",
         "3.5",
         (
             rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
@@ -397,6 +406,22 @@ SIGNATURES = {
         ),
         "(3),(3,3),(3,3),(3,3)->(3,3,3),(3),()",
     ),
+    "link_points": rt.Signature(
+        "link_points",
+        "Where the joints of every leg are, and where its redundant link meets the platform: the ends of all straight links.",
+        "",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("points", (3, 4, 3), "m", "base", "joints of the sub-leg", "stacked", ("A", "c", "E", "S", )),
+            rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(3,4,3),(3,3),()",
+    ),
     "singularity": rt.Signature(
         "singularity",
         "Determinants of the legs and their factors; the factors of det J and margins that are positive inside the working box.  Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1).",
@@ -437,6 +462,13 @@ class PassiveJoints(NamedTuple):
 
     spherical: Any
     platform_joint: Any
+
+
+class LinkPoints(NamedTuple):
+    """Results of `link_points`."""
+
+    points: Any
+    attachment: Any
 
 
 class Singularity(NamedTuple):
@@ -537,7 +569,7 @@ def redundant_coordinates(
 
 
 def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
-    """End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.
+    """End points of the sub-legs from the actuated joints.
 
     Thesis: 3.5.
 
@@ -853,7 +885,7 @@ def inverse_status(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
+        excess = subleg.reach(g.subleg, s)
         results = arguments.finish(
             {
                 "excess": excess,
@@ -1087,6 +1119,40 @@ def passive_joints(
             },
         )
     answer = PassiveJoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def link_points(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Where the joints of every leg are, and where its redundant link meets the platform: the ends of
+    all straight links.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        points (..., 3, 4, 3) [m] in the base frame: joints of the sub-leg [A, c, E, S]
+        attachment (..., 3, 3) [m] in the base frame: joint or slider on the platform
+    """
+    arguments = rt.Arguments(SIGNATURES["link_points"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        x, _e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, x, d, v_1, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("s"))
+        results = arguments.finish(
+            {
+                "points": points,
+                "attachment": attachment,
+            },
+        )
+    answer = LinkPoints(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -35,12 +35,16 @@ def prepare(fields: Any) -> SimpleNamespace:
     e_1_2 = np.sin(alpha)
     t2 = e_r_0 * t1
     t3 = e_r_1 * t1
+    t4 = l_1 * t2
+    c_0 = R_b * e_r_0 - t4
+    t5 = l_1 * t3
+    c_1 = R_b * e_r_1 - t5
     k_7 = 1 - l_5 / l_6
-    t4 = l_6 - l_5
-    t5 = l_4 - l_6
-    t6 = l_4 + l_6
-    t7 = l_2 - l_3
-    t8 = l_2 + l_3
+    t6 = l_6 - l_5
+    t7 = l_4 - l_6
+    t8 = l_4 + l_6
+    t9 = l_2 - l_3
+    t10 = l_2 + l_3
     k_18 = 1 / l_6
     return SimpleNamespace(
         azimuth=fields["azimuth"],
@@ -52,11 +56,11 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_4=fields["l_4"],
         l_5=fields["l_5"],
         l_6=fields["l_6"],
-        c=(R_b * e_r_0 - l_1 * t2, R_b * e_r_1 - l_1 * t3, l_1 * e_1_2,),
+        c=(c_0, c_1, l_1 * e_1_2,),
         e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_r_0, 0,),
-        k=(l_3 * l_3, t4 * t4, 1 / k_7, t5 * t5, t6 * t6, l_4 * l_4, l_6 * l_6, k_7, t7 * t7, t8 * t8, l_2 * l_2, np.abs(t7), np.abs(t5), 1 - k_7, 1 / (l_3 * l_6), 1 / t6, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_18, 1 - l_5 * k_18,),
+        k=(l_3 * l_3, t6 * t6, 1 / k_7, t7 * t7, t8 * t8, l_4 * l_4, l_6 * l_6, k_7, t9 * t9, t10 * t10, l_2 * l_2, np.abs(t9), np.abs(t7), 1 - k_7, 1 / (l_3 * l_6), 1 / t8, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_18, 1 - l_5 * k_18, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -723,4 +727,35 @@ def passive(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, 
             across_2,
             e_2_2,
         ),
+    )
+
+
+def points(g: Any, x: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
+    """Joints of the R(RR-RRR) sub-leg, from the base to S_i.  (22 add, 20 multiply)"""
+    x_0, x_1, x_2 = x
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    s_0, s_1, s_2 = s
+    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)
+    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    return (
+        g.k[20],
+        g.k[21],
+        g.k[22],
+        g.c[0],
+        g.c[1],
+        g.c[2],
+        g.c[0] + g.e_1[0] * u_1_1 + x_0 * u_1_0,
+        g.c[1] + g.e_1[1] * u_1_1 + x_1 * u_1_0,
+        g.c[2] + g.e_1[2] * u_1_1 + x_2 * u_1_0,
+        g.c[0] + g.e_1[0] * u_2_1 + x_0 * u_2_0,
+        g.c[1] + g.e_1[1] * u_2_1 + x_1 * u_2_0,
+        g.c[2] + g.e_1[2] * u_2_1 + x_2 * u_2_0,
+        g.c[0] + g.e_1[0] * p_1 + x_0 * p_0,
+        g.c[1] + g.e_1[1] * p_1 + x_1 * p_0,
+        g.c[2] + g.e_1[2] * p_1 + x_2 * p_0,
+        s_0,
+        s_1,
+        s_2,
     )

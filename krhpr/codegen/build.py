@@ -72,6 +72,8 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
         assembly_labels=tuple(mode.label for mode in subleg.assemblies),
         assembly_signs=tuple(mode.signs for mode in subleg.assemblies),
         angular=tuple(joint.kind == "revolute" for joint in subleg.actuators),
+        links=tuple((link.name, str(link.kind), link.start, link.end) for link in subleg.links),
+        redundant_link=platform.redundant_link,
         documentation={
             "geometry": tuple((field.name, field.doc) for field in _fields(entry)),
             "units": tuple((field.name, str(field.unit)) for field in _fields(entry)),
@@ -79,6 +81,7 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
             "assembly mode": tuple((sign.name, _choice(sign)) for sign in subleg.forward_signs),
             "actuators": tuple((joint.name, joint.doc) for joint in subleg.actuators),
             "passive": tuple((joint.name, joint.doc) for joint in subleg.passive_joints),
+            "swivel": () if subleg.swivel is None else ((subleg.swivel.name, subleg.swivel.doc),),
             "redundant": ((platform.redundant_joint.name, platform.redundant_joint.doc),),
             "singular factors": tuple(subleg.factor_names()),
             "type II": (("margins", platform.margins_doc), ("singular set", platform.type_2_doc)),

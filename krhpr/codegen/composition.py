@@ -33,6 +33,9 @@ class Status(IntEnum):
     INVALID_INPUT = 11
 
 
+LEG_STATUSES = frozenset({Status.UNREACHABLE_LEG_1, Status.SINGULAR_LEG_1})
+"""Statuses of the first leg: those of the other legs follow."""
+
 STATUS_DOC = {
     Status.OK: "the answer is valid",
     Status.UNREACHABLE_LEG_1: "the end point of leg 1 is out of its reach",
@@ -70,10 +73,27 @@ class Relation(StrEnum):
 
 
 @dataclass(frozen=True)
+class Repeat:
+    """A kernel called again with its own result, until that moves no more: a bounded iteration.
+
+    Its input port `before` begins as the variable `start` and becomes the output port `after`; the output port
+    `change` is at most `tolerance` when it ends well, and it ends after `limit` calls in any case.
+    """
+
+    before: str
+    after: str
+    start: str
+    change: str
+    tolerance: float = 1e-20
+    limit: int = 25
+
+
+@dataclass(frozen=True)
 class Call:
     """One kernel of a part, with the robot's variables bound to its ports.
 
     `inputs` names the variable for each input port that is not called like its variable; `outputs` likewise.
+    With `repeat` it is an iteration of a leg's kernel.
     """
 
     stage: Stage
@@ -81,9 +101,16 @@ class Call:
     kernel: str
     inputs: Mapping[str, str]
     outputs: Mapping[str, str]
+    repeat: Repeat | None = None
+
+    def __post_init__(self) -> None:
+        if self.repeat is not None and self.stage is not Stage.LEG:
+            raise ValueError(f"{self.part}.{self.kernel}: only kernels of a leg are repeated")
 
     def variable_in(self, port: str) -> str:
-        """The variable that an input port of the kernel reads."""
+        """The variable that an input port of the kernel reads (at first, where it is repeated)."""
+        if self.repeat is not None and port == self.repeat.before:
+            return self.repeat.start
         return self.inputs.get(port, port)
 
     def variable_out(self, port: str) -> str:
@@ -96,7 +123,8 @@ class Guard:
     """A value that must keep a limit; where it does not (or is NaN) the answer is NaN and the status says
     why.
 
-    For a leg's value the status is `status` + the leg's index and only that leg's part of the answer is NaN.
+    For a leg's value only that leg's part of the answer is NaN, and where `status` names the first leg the
+    status is that of the leg.
     `spoils` names the outputs that have no meaning then (all unless given).
     """
 
@@ -127,6 +155,11 @@ class RobotFunction:
     outputs: tuple[Port, ...]
     calls: tuple[Call, ...]
     guards: tuple[Guard, ...] = ()
+
+    @property
+    def procedure(self) -> bool:
+        """Whether it loops or chooses: it is then no straight line of kernels, and has no CasADi form."""
+        return not self.calls or any(call.repeat is not None for call in self.calls)
 
     def stage(self, stage: Stage) -> tuple[Call, ...]:
         """The calls of one stage, in order."""
@@ -211,6 +244,8 @@ class RobotCode:
     assembly_labels: tuple[str, ...]
     assembly_signs: tuple[tuple[int, ...], ...]
     angular: tuple[bool, ...]
+    links: tuple[tuple[str, str, str, str], ...]
+    redundant_link: str
     documentation: Mapping[str, tuple[tuple[str, str], ...]]
 
     @property

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from krhpr.codegen.composition import RobotFunction, Stage
+from krhpr.codegen.composition import Repeat, RobotFunction, Stage
 from krhpr.codegen.graph import InputRef, Op
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, GeometryType, Kernel, Layout, Port
 
@@ -141,7 +141,10 @@ def evaluate_function(
             geometry = None
             if kernel.geometry is not None:
                 geometry = geometries[call.part][leg or 0]
-            result = evaluate_kernel(kernel, arguments, geometry, arithmetic)
+            if call.repeat is not None:
+                result = _repeated(call.repeat, kernel, arguments, geometry, arithmetic)
+            else:
+                result = evaluate_kernel(kernel, arguments, geometry, arithmetic)
             for name, flat in result.items():
                 found[name].append(flat)
         for port in kernel.outputs:
@@ -150,6 +153,25 @@ def evaluate_function(
             values[name] = found[port.name] if per_leg[name] else found[port.name][0]
     zero = arithmetic.constant(Fraction(0))
     return {port.name: _whole(port, values[port.name], zero) for port in function.outputs}
+
+
+def _repeated(
+    repeat: Repeat,
+    kernel: Kernel,
+    arguments: Mapping[str, Sequence[Any]],
+    geometry: Mapping[str, Sequence[Any]] | None,
+    arithmetic: Arithmetic,
+) -> dict[str, list[Any]]:
+    """The results of the last call of a bounded iteration (of all elements, where values are arrays)."""
+    tolerance = arithmetic.constant(Fraction(repr(repeat.tolerance)))
+    state, result = arguments[repeat.before], {}
+    for _ in range(repeat.limit):
+        result = evaluate_kernel(kernel, {**arguments, repeat.before: state}, geometry, arithmetic)
+        state = result[repeat.after]
+        small = result[repeat.change][0] <= tolerance
+        if small if isinstance(small, bool) else small.all():
+            break
+    return result
 
 
 def _whole(port: Port, value: Any, zero: Any) -> list[Any]:

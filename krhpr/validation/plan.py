@@ -85,7 +85,7 @@ def has_roots(kernel: Kernel) -> bool:
 
 def needs_balls(robot: RobotCode, function: RobotFunction) -> bool:
     """Whether a function leaves the rational numbers; procedures choose among inverse solutions and do."""
-    return not function.calls or any(
+    return function.procedure or any(
         has_roots(robot.parts[call.part].kernel(call.kernel)) for call in function.calls
     )
 
@@ -150,7 +150,7 @@ def _identity(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
         balls = needs_balls(robot, function)
         for target in PRINTED:
-            if target is Target.CASADI and not function.calls:
+            if target is Target.CASADI and function.procedure:
                 continue  # a procedure
             yield Check(
                 Kind.IDENTITY,
@@ -205,7 +205,7 @@ def _identity_statement(function: RobotFunction) -> str:
 def _agreement(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
         for target in (Target.C, Target.CASADI):
-            if target is Target.C or function.calls:
+            if target is Target.C or not function.procedure:
                 yield Check(
                     Kind.AGREEMENT,
                     robot.identifier,
@@ -221,7 +221,7 @@ def _agreement(robot: RobotCode) -> Iterator[Check]:
 def _digits(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
         for target in PRINTED:
-            if target is not Target.CASADI or function.calls:
+            if target is not Target.CASADI or not function.procedure:
                 yield Check(
                     Kind.DIGITS,
                     robot.identifier,

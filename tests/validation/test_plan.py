@@ -63,7 +63,7 @@ def test_what_is_known_of_parts_is_known_everywhere() -> None:
 @ROBOTS
 def test_every_function_is_checked_on_every_target(robot) -> None:
     for function in robot.functions:
-        targets = {Target.C, Target.NUMPY} | ({Target.CASADI} if function.calls else set())
+        targets = {Target.C, Target.NUMPY} | (set() if function.procedure else {Target.CASADI})
         for kind in (Kind.IDENTITY, Kind.DIGITS):
             assert {
                 c.target for c in checks(robot.identifier, kind) if c.function == function.name

@@ -39,6 +39,7 @@
 #define krhpr_planar_rr_a_platform_acceleration plain_platform_acceleration
 #define krhpr_planar_rr_a_joint_accelerations plain_joint_accelerations
 #define krhpr_planar_rr_a_passive_joints plain_passive_joints
+#define krhpr_planar_rr_a_link_points plain_link_points
 #define krhpr_planar_rr_a_singularity plain_singularity
 #include "../krhpr_planar_rr_a.c"
 #undef krhpr_planar_rr_a_end_points
@@ -57,6 +58,7 @@
 #undef krhpr_planar_rr_a_platform_acceleration
 #undef krhpr_planar_rr_a_joint_accelerations
 #undef krhpr_planar_rr_a_passive_joints
+#undef krhpr_planar_rr_a_link_points
 #undef krhpr_planar_rr_a_singularity
 
 #include "krhpr_casadi.h"
@@ -142,8 +144,17 @@ static const casadi_int P52[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 
 static const casadi_int P53[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
 static const casadi_int P54[3] = {6, 3, 1};
 static const casadi_int P55[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P56[3] = {1, 6, 1};
-static const casadi_int P57[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P56[5] = {6, 2, 0, 0, 0};
+static const casadi_int P57[4] = {6, 1, 0, 0};
+static const casadi_int P58[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P59[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P60[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P61[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P62[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P63[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
+static const casadi_int P64[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P65[3] = {1, 6, 1};
+static const casadi_int P66[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- end_points -- */
 
@@ -895,6 +906,58 @@ static const krhpr_casadi_function function_passive_joints = {
 KRHPR_CASADI_FUNCTION(NAME(passive_joints), function_passive_joints)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(passive_joints), function_passive_joints)
 
+/* -- link_points -- */
+
+static int value_link_points(const double *x, double *y)
+{
+    return plain_link_points(&geometry, x, x[2], x + 3, x + 9, y, y + 18);
+}
+
+static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const points = found;
+    krhpr_dual *const attachment = found + 18;
+    krhpr_dual Q[4];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
+        krhpr_subleg_planar_rr_points_tangent(&geometry.subleg[i], u_2, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 2 * i);
+    }
+}
+
+static const krhpr_casadi_slot in_link_points[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_link_points[] = {
+    {"out_points1", 3, 2, 1, NULL, P6, P7},
+    {"out_points2", 3, 2, 1, NULL, P6, P7},
+    {"out_points3", 3, 2, 1, NULL, P6, P7},
+    {"out_attachment", 3, 2, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_link_points[] = {
+    P56, P57, P58, P59, P56, P57, P60, P61, P56, P57, P62, P63, P16, P17, P64, P64
+};
+static const char *const names_link_points[] = {
+    "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
+    "jac_points2_s", "jac_points2_theta", "jac_points3_p", "jac_points3_phi", "jac_points3_s", "jac_points3_theta",
+    "jac_attachment_p", "jac_attachment_phi", "jac_attachment_s", "jac_attachment_theta"
+};
+static const krhpr_casadi_function function_link_points = {
+    4, in_link_points, 4, out_link_points, value_link_points, tangent_link_points, structure_link_points, names_link_points
+};
+KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
 /* -- singularity -- */
 
 static int value_singularity(const double *x, double *y)
@@ -942,7 +1005,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P19, P55, P7, P5, P19, P55, P14, P2, P56, P57, P14, P2, P56, P57
+    P7, P5, P19, P55, P7, P5, P19, P55, P14, P2, P65, P66, P14, P2, P65, P66
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",

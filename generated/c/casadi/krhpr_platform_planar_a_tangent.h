@@ -295,6 +295,21 @@ static inline void krhpr_platform_planar_a_joint_tangent(
     }
 }
 
+/* `attachment` with the derivatives of its outputs along directions of its inputs.  (8 add, 8 multiply) */
+static inline void krhpr_platform_planar_a_attachment_tangent(
+    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    krhpr_dual *KRHPR_RESTRICT attachment)
+{
+    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
+    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    attachment[0].v = p[0].v + Qb_0;
+    attachment[1].v = p[1].v + Qb_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        attachment[0].t[k] = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]);
+        attachment[1].t[k] = p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]);
+    }
+}
+
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (108 add,
  * 150 multiply, 3 divide) */
 static inline void krhpr_platform_planar_a_solve_tangent(

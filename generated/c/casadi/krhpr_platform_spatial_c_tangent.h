@@ -428,6 +428,21 @@ static inline void krhpr_platform_spatial_c_joint_tangent(
     }
 }
 
+/* `attachment` with the derivatives of its outputs along directions of its inputs.  (no operations) */
+static inline void krhpr_platform_spatial_c_attachment_tangent(
+    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT attachment)
+{
+    (void)(g);
+    attachment[0].v = s[0].v;
+    attachment[1].v = s[1].v;
+    attachment[2].v = s[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        attachment[0].t[k] = s[0].t[k];
+        attachment[1].t[k] = s[1].t[k];
+        attachment[2].t[k] = s[2].t[k];
+    }
+}
+
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (228 add,
  * 287 multiply, 6 divide) */
 static inline void krhpr_platform_spatial_c_solve_tangent(

@@ -40,6 +40,7 @@
 #define krhpr_spatial_r_fivebar_a_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_r_fivebar_a_joint_accelerations plain_joint_accelerations
 #define krhpr_spatial_r_fivebar_a_passive_joints plain_passive_joints
+#define krhpr_spatial_r_fivebar_a_link_points plain_link_points
 #define krhpr_spatial_r_fivebar_a_singularity plain_singularity
 #include "../krhpr_spatial_r_fivebar_a.c"
 #undef krhpr_spatial_r_fivebar_a_rotation_error
@@ -59,6 +60,7 @@
 #undef krhpr_spatial_r_fivebar_a_platform_acceleration
 #undef krhpr_spatial_r_fivebar_a_joint_accelerations
 #undef krhpr_spatial_r_fivebar_a_passive_joints
+#undef krhpr_spatial_r_fivebar_a_link_points
 #undef krhpr_spatial_r_fivebar_a_singularity
 
 #include "krhpr_casadi.h"
@@ -71,9 +73,9 @@
 #else
 static const krhpr_spatial_r_fivebar_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001} }
+        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001, 0.25, 0.0, 0.0} },
+        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001, -0.12499999999999994, 0.21650635094610968, 0.0} },
+        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001, -0.1250000000000001, -0.2165063509461096, 0.0} }
     },
     .platform = {
         { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0} },
@@ -105,134 +107,149 @@ static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {2, 3, 1};
 static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {3, 4, 1};
-static const casadi_int P17[7] = {3, 4, 0, 0, 0, 0, 0};
-static const casadi_int P18[3] = {2, 1, 1};
-static const casadi_int P19[4] = {2, 1, 0, 0};
-static const casadi_int P20[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P21[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P16[3] = {6, 3, 1};
+static const casadi_int P17[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P18[3] = {3, 4, 1};
+static const casadi_int P19[7] = {3, 4, 0, 0, 0, 0, 0};
+static const casadi_int P20[3] = {2, 1, 1};
+static const casadi_int P21[4] = {2, 1, 0, 0};
+static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P23[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P23[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P25[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P24[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P25[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P27[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P26[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P27[84] = {24, 9, 0, 24, 24, 24, 48, 48, 48, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P28[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P29[84] = {24, 9, 0, 24, 24, 24, 48, 48, 48, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P28[84] = {24, 9, 0, 0, 24, 24, 24, 48, 48, 48, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P30[84] = {24, 9, 0, 0, 24, 24, 24, 48, 48, 48, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P29[84] = {24, 9, 0, 0, 0, 24, 24, 24, 48, 48, 48, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P31[84] = {24, 9, 0, 0, 0, 24, 24, 24, 48, 48, 48, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18,
     19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P30[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P32[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P31[33] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
+static const casadi_int P33[33] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P32[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P34[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P33[33] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
+static const casadi_int P35[33] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P34[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P36[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P35[33] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7,
+static const casadi_int P37[33] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7,
     8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[3] = {6, 3, 1};
-static const casadi_int P37[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P38[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P38[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P39[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P39[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P40[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P40[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P41[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P41[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P42[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P42[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P43[33] = {54, 3, 0, 9, 18, 27, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P43[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P44[33] = {54, 3, 0, 9, 18, 27, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52};
-static const casadi_int P44[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P45[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P45[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P46[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P46[54] = {54, 9, 0, 6, 12, 18, 22, 26, 30, 34, 38, 42, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P47[54] = {54, 9, 0, 6, 12, 18, 22, 26, 30, 34, 38, 42, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53};
-static const casadi_int P47[15] = {6, 3, 0, 3, 6, 9, 0, 2, 4, 0, 2, 4, 0, 2, 4};
-static const casadi_int P48[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P48[15] = {6, 3, 0, 3, 6, 9, 0, 2, 4, 0, 2, 4, 0, 2, 4};
+static const casadi_int P49[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P49[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P50[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P50[26] = {6, 9, 0, 6, 6, 6, 10, 10, 10, 14, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P51[26] = {6, 9, 0, 6, 6, 6, 10, 10, 10, 14, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P51[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P52[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P52[26] = {6, 9, 0, 0, 6, 6, 6, 10, 10, 10, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P53[26] = {6, 9, 0, 0, 6, 6, 6, 10, 10, 10, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P53[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P54[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P54[26] = {6, 9, 0, 0, 0, 6, 6, 6, 10, 10, 10, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P55[26] = {6, 9, 0, 0, 0, 6, 6, 6, 10, 10, 10, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P55[3] = {9, 3, 1};
-static const casadi_int P56[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P56[3] = {9, 3, 1};
+static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P57[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P58[3] = {24, 3, 1};
-static const casadi_int P59[156] = {24, 9, 0, 24, 48, 72, 96, 120, 144, 144, 144, 144, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9,
+static const casadi_int P58[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P59[3] = {24, 3, 1};
+static const casadi_int P60[156] = {24, 9, 0, 24, 48, 72, 96, 120, 144, 144, 144, 144, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9,
     10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
     17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0,
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23};
-static const casadi_int P60[30] = {24, 3, 0, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+static const casadi_int P61[30] = {24, 3, 0, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
     17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P61[30] = {24, 3, 0, 0, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+static const casadi_int P62[30] = {24, 3, 0, 0, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
     17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P62[30] = {24, 3, 0, 0, 0, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
+static const casadi_int P63[30] = {24, 3, 0, 0, 0, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23};
-static const casadi_int P63[3] = {6, 9, 1};
-static const casadi_int P64[3] = {9, 9, 1};
-static const casadi_int P65[30] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 16, 17, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
+static const casadi_int P64[3] = {6, 9, 1};
+static const casadi_int P65[3] = {9, 9, 1};
+static const casadi_int P66[30] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 16, 17, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
     5, 8, 6, 7, 8};
-static const casadi_int P66[3] = {9, 6, 1};
-static const casadi_int P67[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P67[3] = {9, 6, 1};
+static const casadi_int P68[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P68[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P69[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P69[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P70[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P70[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P71[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P71[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P72[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P72[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P73[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P73[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P74[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P74[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P75[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P75[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P76[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P77[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P79[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P80[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+    17};
+static const casadi_int P81[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
+    8, 10, 14, 16, 3, 9, 15};
+static const casadi_int P82[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+    17};
+static const casadi_int P83[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+    10, 14, 16, 3, 9, 15};
+static const casadi_int P84[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+    17};
+static const casadi_int P85[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+    10, 14, 16, 3, 9, 15};
+static const casadi_int P86[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P87[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P80[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P89[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     3, 6, 9, 4, 7, 10, 5, 8, 11, 6, 9, 7, 10, 8, 11};
-static const casadi_int P81[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P82[3] = {2, 9, 1};
-static const casadi_int P83[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P91[3] = {2, 9, 1};
+static const casadi_int P92[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -279,7 +296,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P20, P21, P22
+    P22, P23, P24
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -317,7 +334,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P23, P24
+    P0, P25, P26
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -356,7 +373,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P25, P26
+    P27, P28
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -392,7 +409,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 8, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P27, P28, P29
+    P29, P30, P31
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -437,7 +454,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P30, P31, P32, P33, P34, P35
+    P32, P33, P34, P35, P36, P37
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -475,7 +492,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P36, P37, P38
+    P16, P38, P39
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -526,7 +543,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P39, P40, P41, P42, P43, P44, P45, P46
+    P40, P41, P42, P43, P44, P45, P46, P47
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -579,7 +596,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P39, P40, P41, P42, P47, P48, P49, P50, P47, P48, P51, P52, P47, P48, P53, P54
+    P40, P41, P42, P43, P48, P49, P50, P51, P48, P49, P52, P53, P48, P49, P54, P55
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -623,7 +640,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P55, P56, P22, P57
+    P56, P57, P24, P58
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -665,7 +682,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 8, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P58, P59, P60, P58, P59, P61, P58, P59, P62
+    P59, P60, P61, P59, P60, P62, P59, P60, P63
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -748,7 +765,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P36, P63, P63, P63, P63
+    P16, P64, P64, P64, P64
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -803,7 +820,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P55, P64, P25, P65, P66, P22
+    P56, P65, P27, P66, P67, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -878,7 +895,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P36, P63, P63, P63, P10, P63, P63
+    P16, P64, P64, P64, P10, P64, P64
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -948,7 +965,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P55, P64, P25, P25, P66, P22, P25, P66, P22
+    P56, P65, P27, P27, P67, P24, P27, P67, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1009,7 +1026,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P26, P57, P25, P67, P68, P69, P70, P71, P68, P69, P72, P73, P68, P69, P74, P75, P0, P23, P24, P76
+    P28, P58, P27, P68, P69, P70, P71, P72, P69, P70, P73, P74, P69, P70, P75, P76, P0, P25, P26, P77
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1022,6 +1039,61 @@ static const krhpr_casadi_function function_passive_joints = {
 };
 KRHPR_CASADI_FUNCTION(NAME(passive_joints), function_passive_joints)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(passive_joints), function_passive_joints)
+
+/* -- link_points -- */
+
+static int value_link_points(const double *x, double *y)
+{
+    return plain_link_points(&geometry, x, x + 3, x + 12, x + 21, y, y + 54);
+}
+
+static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const points = found;
+    krhpr_dual *const attachment = found + 54;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual x[3];
+        krhpr_dual e_2[3];
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_subleg_r_fivebar_posture_tangent(
+            &geometry.subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_points_tangent(
+            &geometry.subleg[i], x, d, u_1, u_2, s + 3 * i, points + 18 * i);
+        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 3 * i);
+    }
+}
+
+static const krhpr_casadi_slot in_link_points[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_link_points[] = {
+    {"out_points1", 6, 3, 1, NULL, P16, P17},
+    {"out_points2", 6, 3, 1, NULL, P16, P17},
+    {"out_points3", 6, 3, 1, NULL, P16, P17},
+    {"out_attachment", 3, 3, 1, NULL, P0, P1},
+};
+static const casadi_int *const structure_link_points[] = {
+    P78, P79, P80, P81, P78, P79, P82, P83, P78, P79, P84, P85, P22, P23, P58, P58
+};
+static const char *const names_link_points[] = {
+    "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
+    "jac_points2_s", "jac_points2_theta", "jac_points3_p", "jac_points3_Q", "jac_points3_s", "jac_points3_theta",
+    "jac_attachment_p", "jac_attachment_Q", "jac_attachment_s", "jac_attachment_theta"
+};
+static const krhpr_casadi_function function_link_points = {
+    4, in_link_points, 4, out_link_points, value_link_points, tangent_link_points, structure_link_points, names_link_points
+};
+KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
 
 /* -- singularity -- */
 
@@ -1068,12 +1140,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 4, 1, NULL, P16, P17},
-    {"out_type_2", 2, 1, 1, NULL, P18, P19},
-    {"out_margins", 2, 1, 1, NULL, P18, P19},
+    {"out_factors", 3, 4, 1, NULL, P18, P19},
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P76, P24, P24, P77, P78, P79, P80, P14, P81, P82, P83, P14, P81, P82, P83
+    P1, P77, P26, P26, P86, P87, P88, P89, P14, P90, P91, P92, P14, P90, P91, P92
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

@@ -40,6 +40,7 @@
 #define krhpr_spatial_rrr_c_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_rrr_c_joint_accelerations plain_joint_accelerations
 #define krhpr_spatial_rrr_c_passive_joints plain_passive_joints
+#define krhpr_spatial_rrr_c_link_points plain_link_points
 #define krhpr_spatial_rrr_c_singularity plain_singularity
 #include "../krhpr_spatial_rrr_c.c"
 #undef krhpr_spatial_rrr_c_rotation_error
@@ -59,6 +60,7 @@
 #undef krhpr_spatial_rrr_c_platform_acceleration
 #undef krhpr_spatial_rrr_c_joint_accelerations
 #undef krhpr_spatial_rrr_c_passive_joints
+#undef krhpr_spatial_rrr_c_link_points
 #undef krhpr_spatial_rrr_c_singularity
 
 #include "krhpr_casadi.h"
@@ -71,9 +73,9 @@
 #else
 static const krhpr_spatial_rrr_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 1.3333333333333333, 7.407407407407407, 2.2222222222222223} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 1.3333333333333333, 7.407407407407407, 2.2222222222222223} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 1.3333333333333333, 7.407407407407407, 2.2222222222222223} }
+        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 1.3333333333333333, 7.407407407407407, 2.2222222222222223, 0.25, 0.0, 0.0} },
+        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 1.3333333333333333, 7.407407407407407, 2.2222222222222223, -0.12499999999999994, 0.21650635094610968, 0.0} },
+        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 1.3333333333333333, 7.407407407407407, 2.2222222222222223, -0.1250000000000001, -0.2165063509461096, 0.0} }
     },
     .platform = {
         { .platform_azimuth = 0.0, .t = {1.0, 0.0} },
@@ -203,13 +205,23 @@ static const casadi_int P72[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1,
 static const casadi_int P73[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
 static const casadi_int P74[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P75[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P76[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P75[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P76[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P77[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P78[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P79[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P80[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P81[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P82[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P83[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P85[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P86[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P77[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P78[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P79[3] = {2, 9, 1};
-static const casadi_int P80[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P87[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
+static const casadi_int P88[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P89[3] = {2, 9, 1};
+static const casadi_int P90[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -975,6 +987,56 @@ static const krhpr_casadi_function function_passive_joints = {
 KRHPR_CASADI_FUNCTION(NAME(passive_joints), function_passive_joints)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(passive_joints), function_passive_joints)
 
+/* -- link_points -- */
+
+static int value_link_points(const double *x, double *y)
+{
+    return plain_link_points(&geometry, x, x + 3, x + 12, x + 21, y, y + 36);
+}
+
+static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const points = found;
+    krhpr_dual *const attachment = found + 36;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual x[3];
+        krhpr_dual e_2[3];
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_subleg_rrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_points_tangent(&geometry.subleg[i], x, d, v_1, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform[i], s + 3 * i, attachment + 3 * i);
+    }
+}
+
+static const krhpr_casadi_slot in_link_points[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_link_points[] = {
+    {"out_points1", 4, 3, 1, NULL, P6, P7},
+    {"out_points2", 4, 3, 1, NULL, P6, P7},
+    {"out_points3", 4, 3, 1, NULL, P6, P7},
+    {"out_attachment", 3, 3, 1, NULL, P0, P1},
+};
+static const casadi_int *const structure_link_points[] = {
+    P75, P76, P77, P78, P75, P76, P79, P80, P75, P76, P81, P82, P66, P83, P84, P83
+};
+static const char *const names_link_points[] = {
+    "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
+    "jac_points2_s", "jac_points2_theta", "jac_points3_p", "jac_points3_Q", "jac_points3_s", "jac_points3_theta",
+    "jac_attachment_p", "jac_attachment_Q", "jac_attachment_s", "jac_attachment_theta"
+};
+static const krhpr_casadi_function function_link_points = {
+    4, in_link_points, 4, out_link_points, value_link_points, tangent_link_points, structure_link_points, names_link_points
+};
+KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
 /* -- singularity -- */
 
 static int value_singularity(const double *x, double *y)
@@ -1022,7 +1084,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P18, P19},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P74, P24, P75, P46, P13, P76, P77, P14, P78, P79, P80, P14, P78, P79, P80
+    P1, P74, P24, P85, P46, P13, P86, P87, P14, P88, P89, P90, P14, P88, P89, P90
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

@@ -318,4 +318,25 @@ static inline void krhpr_subleg_planar_rr_passive_tangent(
     }
 }
 
+/* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
+static inline void krhpr_subleg_planar_rr_points_tangent(
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *u_2, const krhpr_dual *s,
+    krhpr_dual *KRHPR_RESTRICT points)
+{
+    points[0].v = g->o[0];
+    points[1].v = g->o[1];
+    points[2].v = s[0].v - u_2[0].v;
+    points[3].v = s[1].v - u_2[1].v;
+    points[4].v = s[0].v;
+    points[5].v = s[1].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        points[0].t[k] = 0.0;
+        points[1].t[k] = 0.0;
+        points[2].t[k] = s[0].t[k] - u_2[0].t[k];
+        points[3].t[k] = s[1].t[k] - u_2[1].t[k];
+        points[4].t[k] = s[0].t[k];
+        points[5].t[k] = s[1].t[k];
+    }
+}
+
 #endif

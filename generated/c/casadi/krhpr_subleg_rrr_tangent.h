@@ -576,4 +576,41 @@ static inline void krhpr_subleg_rrr_passive_tangent(
     }
 }
 
+/* `points` with the derivatives of its outputs along directions of its inputs.  (16 add, 15 multiply) */
+static inline void krhpr_subleg_rrr_points_tangent(
+    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
+{
+    const double t1 = d[1].v - v_1[1].v;
+    const double h1 = d[0].v - v_1[0].v;
+    points[0].v = g->k[8];
+    points[1].v = g->k[9];
+    points[2].v = g->k[10];
+    points[3].v = g->c[0];
+    points[4].v = g->c[1];
+    points[5].v = g->c[2];
+    points[6].v = g->c[0] + g->e_1[0] * t1 + x[0].v * h1;
+    points[7].v = g->c[1] + g->e_1[1] * t1 + x[1].v * h1;
+    points[8].v = g->c[2] + g->e_1[2] * t1 + x[2].v * h1;
+    points[9].v = s[0].v;
+    points[10].v = s[1].v;
+    points[11].v = s[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t2 = d[1].t[k] - v_1[1].t[k];
+        const double t3 = d[0].t[k] - v_1[0].t[k];
+        points[0].t[k] = 0.0;
+        points[1].t[k] = 0.0;
+        points[2].t[k] = 0.0;
+        points[3].t[k] = 0.0;
+        points[4].t[k] = 0.0;
+        points[5].t[k] = 0.0;
+        points[6].t[k] = g->e_1[0] * t2 + (h1 * x[0].t[k] + x[0].v * t3);
+        points[7].t[k] = g->e_1[1] * t2 + (h1 * x[1].t[k] + x[1].v * t3);
+        points[8].t[k] = g->e_1[2] * t2 + (h1 * x[2].t[k] + x[2].v * t3);
+        points[9].t[k] = s[0].t[k];
+        points[10].t[k] = s[1].t[k];
+        points[11].t[k] = s[2].t[k];
+    }
+}
+
 #endif

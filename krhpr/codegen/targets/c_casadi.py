@@ -38,7 +38,9 @@ class CasadiShimTarget:
         """A robot's shim, one source."""
         patterns = Patterns()
         printers = [
-            FunctionPrinter(robot, function, patterns) for function in robot.functions if function.calls
+            FunctionPrinter(robot, function, patterns)
+            for function in robot.functions
+            if not function.procedure
         ]
         text = render(
             "c/casadi_shim.c.j2",

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from math import prod
 
 from krhpr.codegen.composition import (
+    LEG_STATUSES,
     Call,
     Guard,
     Relation,
+    Repeat,
     RobotCode,
     RobotFunction,
     Stage,
@@ -55,7 +57,7 @@ class FunctionView:
     shared_angle_calls: tuple[str, ...]
     leg_angle_calls: tuple[str, ...]
     shared_calls: tuple[str, ...]
-    leg_calls: tuple[str, ...]
+    leg_calls: tuple[LegCall, ...]
     scatters: tuple[Scatter, ...]
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
@@ -65,6 +67,29 @@ class FunctionView:
     batch_arguments: tuple[str, ...]
     in_sizes: tuple[int, ...]
     out_sizes: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class LegCall:
+    """A statement for each leg: the call of a kernel, or an iteration around it."""
+
+    text: str
+    iteration: Iteration | None = None
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """A bounded iteration: the state, where it begins and ends, its angles, and when it stops."""
+
+    state: str
+    size: int
+    start: str
+    result: str
+    change: str
+    tolerance: str
+    limit: int
+    angle_call: str
+    angle_count: int
 
 
 @dataclass(frozen=True)
@@ -156,7 +181,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         shared_angle_calls=tuple(plan.shared_angle_calls),
         leg_angle_calls=tuple(plan.leg_angle_calls),
         shared_calls=tuple(plan.calls[Stage.SHARED]),
-        leg_calls=tuple(plan.calls[Stage.LEG]),
+        leg_calls=tuple(plan.leg_calls),
         scatters=tuple(
             Scatter(f"{port.name}_block", port.name, port.shape[0], port.shape[1], port.full_shape[1])
             for port in diagonal
@@ -198,6 +223,7 @@ class _Plan:
         self.leg_angle_calls: list[str] = []
         self.tail_stores: list[tuple[str, str]] = []
         self.calls: dict[Stage, list[str]] = {stage: [] for stage in Stage}
+        self.leg_calls: list[LegCall] = []
         self._offsets: dict[str, str] = {}
         for call in function.calls:
             self._add(call)
@@ -205,9 +231,40 @@ class _Plan:
     def _add(self, call: Call) -> None:
         part = self.robot.parts[call.part]
         phases = split(part.kernel(call.kernel))
+        if call.repeat is not None:
+            self._iterate(call, call.repeat, part, phases)
+            return
         special = self._angles(call, part, phases)
         special |= self._tails(call, phases)
-        self.calls[call.stage].append(self._text(call, part, phases.body, special))
+        text = self._text(call, part, phases.body, special)
+        if call.stage is Stage.LEG:
+            self.leg_calls.append(LegCall(text))
+        else:
+            self.calls[call.stage].append(text)
+
+    def _iterate(self, call: Call, repeat: Repeat, part: Part, phases: Phases) -> None:
+        """A loop around a kernel, with its sines and cosines inside it."""
+        if phases.tails:
+            raise ValueError(f"{part.name}.{call.kernel}: arctangents cannot be put off in an iteration")
+        state, following = f"{repeat.before}_at", f"{repeat.before}_on"
+        special = {repeat.before: state, repeat.after: following}
+        angles, count = "", 0
+        if phases.angles is not None:
+            count = phases.angles.output_port("angle").size
+            angles = self._text(call, part, phases.angles, {**special, "angle": "angle"}, indent=12)
+            special |= {"sine": "sine", "cosine": "cosine"}
+        iteration = Iteration(
+            state=repeat.before,
+            size=phases.body.output_port(repeat.after).size,
+            start=self._reference(repeat.start, Stage.LEG),
+            result=self._reference(call.variable_out(repeat.after), Stage.LEG),
+            change=self._reference(call.variable_out(repeat.change), Stage.LEG),
+            tolerance=repr(repeat.tolerance),
+            limit=repeat.limit,
+            angle_call=angles,
+            angle_count=count,
+        )
+        self.leg_calls.append(LegCall(self._text(call, part, phases.body, special, indent=12), iteration))
 
     def _angles(self, call: Call, part: Part, phases: Phases) -> dict[str, str]:
         """Where the body finds its sines and cosines; the angles are computed before."""
@@ -262,7 +319,9 @@ class _Plan:
         self.tail_count += phases.tail_size * LEGS
         return {"tail_y": f"tail_y + {where}", "tail_x": f"tail_x + {where}"}
 
-    def _text(self, call: Call, part: Part, kernel: Kernel, special: dict[str, str]) -> str:
+    def _text(
+        self, call: Call, part: Part, kernel: Kernel, special: dict[str, str], indent: int | None = None
+    ) -> str:
         arguments = [f"&g->{call.part}[i]"] if kernel.geometry is not None else []
         for port in kernel.inputs:
             arguments.append(
@@ -271,7 +330,8 @@ class _Plan:
         for port in kernel.outputs:
             text = special.get(port.name)
             arguments.append(text or self._reference(call.variable_out(port.name), call.stage, output=True))
-        indent = 8 if call.stage is Stage.LEG else 4
+        if indent is None:
+            indent = 8 if call.stage is Stage.LEG else 4
         return broken(f"krhpr_{part.name}_{kernel.name}", arguments, ";", indent)
 
     def _reference(self, name: str, stage: Stage, *, output: bool = False) -> str:
@@ -313,6 +373,7 @@ def _local(variable: Variable, *, legs: bool) -> str:
 
 def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
+    leg_named = guard.status in LEG_STATUSES
     fills: list[tuple[str, int]] = []
     if not function.stage(Stage.PLATFORM):
         for port in guard.spoilt(port for port in function.outputs if port.per_leg):
@@ -327,7 +388,9 @@ def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
                 fills.append((f"{port.name} + {port.size} * i", port.size))
     operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
     return GuardView(
-        f"{guard.variable}[i] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name} + i", tuple(fills)
+        f"{guard.variable}[i] {operator} {guard.limit!r}",
+        f"KRHPR_{guard.status.name}" + (" + i" if leg_named else ""),
+        tuple(fills),
     )
 
 

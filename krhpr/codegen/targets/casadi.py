@@ -31,7 +31,7 @@ class CasadiTarget:
         text = render(
             "casadi/robot.py.j2",
             robot=robot,
-            functions=[_function(robot, function) for function in robot.functions if function.calls],
+            functions=[_function(robot, function) for function in robot.functions if not function.procedure],
             default_geometry=[
                 ", ".join(repr(robot.default_geometry[name][leg]) for name in fields) for leg in range(LEGS)
             ],

@@ -6,10 +6,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from krhpr.codegen.composition import (
+    LEG_STATUSES,
     STATUS_DOC,
     Call,
     Guard,
     Relation,
+    Repeat,
     RobotCode,
     RobotFunction,
     Stage,
@@ -118,9 +120,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
             f"{port.name}: Any" + (" = None" if port.name in optional else "") for port in function.inputs
         ],
         "names": [port.name for port in function.inputs],
-        "pose": [port.name for port in function.inputs[:2]],
+        "names_of_all": [port.name for port in function.inputs if port.name != "theta_near"],
         "optional": [(name, f"({optional[name]},) * 3") for name in present],
-        "procedure": not function.calls,
+        "nearest": not function.calls,
         "uses_geometry": function.uses_geometry(robot.parts),
         "input_docs": [
             python_port(port) + (", the default unless given" if port.name in optional else "")
@@ -150,7 +152,22 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set
         arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [name if name in read else f"_{name}" for name in names]
+    if call.repeat is not None:
+        return _iteration(call, call.repeat, kernel, arguments, names)
     return broken(f"{', '.join(names)} = {call.part}.{kernel.name}", arguments, indent=8)
+
+
+def _iteration(call: Call, repeat: Repeat, kernel: Kernel, arguments: list[str], names: list[str]) -> str:
+    """A bounded iteration: the runtime's loop around the kernel."""
+    ports = [port.name for port in kernel.outputs]
+    if ports != [repeat.after, repeat.change]:
+        raise ValueError(f"{call.part}.{kernel.name} gives {ports}, not {[repeat.after, repeat.change]}")
+    place = [port.name for port in kernel.inputs].index(repeat.before) + (kernel.geometry is not None)
+    start, inside = arguments[place], [*arguments[:place], "at", *arguments[place + 1 :]]
+    step = f"lambda at: {call.part}.{kernel.name}({', '.join(inside)})"
+    return broken(
+        f"{', '.join(names)} = rt.repeat", [step, start, repr(repeat.tolerance), str(repeat.limit)], indent=8
+    )
 
 
 def _argument(variable: Variable, stage: Stage) -> str:
@@ -163,7 +180,7 @@ def _argument(variable: Variable, stage: Stage) -> str:
 
 def _guard(guard: Guard, known: Mapping[str, Variable], function: RobotFunction) -> str:
     at_least = guard.relation is Relation.AT_LEAST
-    per_leg = known[guard.variable].per_leg
+    per_leg = known[guard.variable].per_leg and guard.status in LEG_STATUSES
     value, status = f"{guard.variable}[{guard.index}]", f"Status.{guard.status.name}"
     spoilt = "(" + "".join(f'"{port.name}", ' for port in guard.spoilt(function.outputs)) + ")"
     return f"{value}, {at_least}, {guard.limit!r}, {status}, {per_leg}, {spoilt}"
