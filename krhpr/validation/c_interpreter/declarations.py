@@ -21,26 +21,30 @@ from krhpr.validation.c_interpreter.types import (
     innermost,
 )
 
-_INTEGER_NAMES = {
-    "_Bool": BOOL,
-    "char": Integer(8, True),
-    "signed char": Integer(8, True),
-    "unsigned char": Integer(8, False),
-    "short": Integer(16, True),
-    "short int": Integer(16, True),
-    "unsigned short": Integer(16, False),
-    "int": INT,
-    "signed": INT,
-    "signed int": INT,
-    "unsigned": Integer(32, False),
-    "unsigned int": Integer(32, False),
-    "long": LONG,
-    "long int": LONG,
-    "long long": LONG,
-    "unsigned long": Integer(64, False),
-    "unsigned long int": Integer(64, False),
-    "unsigned long long": Integer(64, False),
+_INTEGERS = {
+    tuple(sorted(name.split())): ctype
+    for name, ctype in {
+        "_Bool": BOOL,
+        "char": Integer(8, True),
+        "signed char": Integer(8, True),
+        "unsigned char": Integer(8, False),
+        "short": Integer(16, True),
+        "short int": Integer(16, True),
+        "unsigned short": Integer(16, False),
+        "int": INT,
+        "signed": INT,
+        "signed int": INT,
+        "unsigned": Integer(32, False),
+        "unsigned int": Integer(32, False),
+        "long": LONG,
+        "long int": LONG,
+        "long long": LONG,
+        "unsigned long": Integer(64, False),
+        "unsigned long int": Integer(64, False),
+        "unsigned long long": Integer(64, False),
+    }.items()
 }
+"""By the words of their names, which C takes in any order."""
 
 PRELUDE = """
 typedef unsigned long size_t; typedef long ptrdiff_t; typedef _Bool bool;
@@ -95,11 +99,10 @@ class Types:
             return REAL
         if text == "void":
             return Void()
-        ordered = " ".join(sorted(node.names, key=["signed", "unsigned", "short", "long"].__contains__)[::-1])
-        for candidate in (text, ordered):
-            if candidate in _INTEGER_NAMES:
-                return _INTEGER_NAMES[candidate]
-        raise unsupported(node, f"the type {text}")
+        words = tuple(sorted(node.names))
+        if words not in _INTEGERS:
+            raise unsupported(node, f"the type {text}")
+        return _INTEGERS[words]
 
     def _record(self, node: c_ast.Struct, name: str) -> Record:
         tag = node.name or name or "(unnamed)"
