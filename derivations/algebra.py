@@ -12,7 +12,7 @@ from krhpr.derivations.vectors import cross2, determinant3, dot
 
 def kernels(space: Space) -> tuple[Kernel, ...]:
     """The kernels of one space."""
-    common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space), _swivel_difference())
+    common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space))
     own = _rotation() if space is Space.PLANAR else _rotation_error()
     return (*common, _wrist(space), own)
 
@@ -41,15 +41,6 @@ def _sum(space: Space) -> Kernel:
 def _difference(space: Space) -> Kernel:
     k = KernelWriter("difference", "M theta_ddot = s_ddot - bias.")
     k.output("along", k.input("s_ddot", (space.dimension,)) - k.input("bias", (space.dimension,)))
-    return k.kernel()
-
-
-def _swivel_difference() -> Kernel:
-    k = KernelWriter(
-        "swivel_difference",
-        "What theta_ddot has to give of the swivel's second rate, for redundant sub-legs.",
-    )
-    k.output("swivel_along", k.input("swivel_accelerations", ()) - k.input("swivel_bias", ()))
     return k.kernel()
 
 

@@ -177,7 +177,8 @@ class _Functions:
     def _subleg_forward(self) -> RobotFunction:
         subleg = self.robot.subleg
         doc = "End points of the sub-legs from the actuated joints."
-        call, guards = self._on_leg("subleg", "forward"), ()
+        call = self._on_leg("subleg", "forward")
+        guards: tuple[Guard, ...] = ()
         if not subleg.has_forward:
             doc += "  Newton steps from s_near; NaN where they do not converge."
             call, guards = self._newton("forward_step", self.leg.s, "s_near")
@@ -188,7 +189,9 @@ class _Functions:
         return self._function("subleg_forward", doc, "3.5", inputs, (self.leg.s,), (call,), guards)
 
     def _newton(self, kernel: str, unknown: Port, start: str) -> tuple[Call, tuple[Guard, ...]]:
-        """A bounded Newton iteration on each leg's loop closure, and the guard that says whether it converged."""
+        """A bounded Newton iteration on each leg's loop closure, and the guard that says whether it
+        converged.
+        """
         name = unknown.name
         repeat = Repeat(before=name, after=f"{name}_next", start=start, change="change")
         call = Call(Stage.LEG, "subleg", kernel, {}, {f"{name}_next": name}, repeat)
@@ -247,7 +250,8 @@ class _Functions:
         call, guards = self._newton("inverse_step", self.leg.theta, "theta_near")
         return self._function(
             "inverse",
-            "Actuated joints by Newton steps from theta_near, for there is no closed form; NaN where they do not "
+            "Actuated joints by Newton steps from theta_near, for there is no closed form; NaN where "
+            "they do not "
             "converge.",
             "2.5",
             (*self.pose, self.plate.redundant, self._theta_near()),
@@ -414,7 +418,7 @@ class _Functions:
             self._on_leg("platform", "end_acceleration"),
             self._on_leg("subleg", "bias", {"s_dot": "s_dot_again", "regularity": "parallel_regularity"}),
             self._on_leg("algebra", "difference"),
-            *((self._on_leg("algebra", "swivel_difference"),) if redundant else ()),
+            *((self._on_leg("subleg", "swivel_difference"),) if redundant else ()),
             self._posture(),
             self._on_leg("subleg", "rates", {"theta_dot": "theta_ddot"}, **along),
         )
@@ -482,7 +486,8 @@ class _Functions:
         points = self.robot.subleg.points_port()
         return self._function(
             "link_points",
-            "Where the joints of every leg are, and where its redundant link meets the platform: the ends of all "
+            "Where the joints of every leg are, and where its redundant link meets the platform: the "
+            "ends of all "
             "straight links.",
             "",
             (*self.pose, self.leg.s, self.leg.theta),

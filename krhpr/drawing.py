@@ -69,8 +69,8 @@ class Link:
 class Skeleton:
     """A robot in one configuration: named points of the legs, links, and the platform.
 
-    `points` has for each name an array with a row for each leg: the names of `link_points` (`A` base joint, `E`
-    elbow, `S` end point of the sub-leg, ...) and `B`, joint or slider on the platform.
+    `points` has for each name an array with a row for each leg: the names of `link_points` (`A` base joint,
+    `E` elbow, `S` end point of the sub-leg, ...) and `B`, joint or slider on the platform.
     """
 
     points: Mapping[str, Array]
@@ -100,8 +100,8 @@ def skeleton(
     """Points and links at one pose.
 
     `orientation` is Q, or phi for a planar robot; `mode` is what `Robot.inverse` takes, its default unless
-    given; `theta` are the joints themselves, where `inverse` has no closed form.  Raises Unreachable where a leg
-    cannot reach its end point.
+    given; `theta` are the joints themselves, where `inverse` has no closed form.  Raises Unreachable where a
+    leg cannot reach its end point.
     """
     s = np.asarray(robot.end_points(p, orientation, redundant))
     if theta is None:
@@ -281,7 +281,6 @@ def _frame_picture(ax: Any, bones: Skeleton) -> None:
 
 
 __all__ = [
-    "CHAINS",
     "COLOURS",
     "Kind",
     "Link",

@@ -191,7 +191,8 @@ class Robot:
         if self._takes("subleg_forward", "s_near"):
             if near is None or assembly is not None:
                 raise UnknownBranch(
-                    f"{self.identifier}.subleg_forward: the assembly mode of its sub-legs is chosen by a point near "
+                    f"{self.identifier}.subleg_forward: the assembly mode of its sub-legs is chosen "
+                    "by a point near "
                     "each end point: near=... of shape (..., 3, 3)"
                 )
             choice["s_near"] = near
@@ -240,7 +241,8 @@ class Robot:
         if self._takes("inverse", "theta_near"):
             if near is None:
                 raise UnknownBranch(
-                    f"{self.identifier}.inverse: its sub-legs have no inverse in closed form; give joints to start "
+                    f"{self.identifier}.inverse: its sub-legs have no inverse in closed form; give "
+                    "joints to start "
                     "from: near=... of shape (..., 3, n)"
                 )
             choice = [near]
@@ -260,8 +262,8 @@ class Robot:
         swivel: ArrayLike | None = None,
         **options: Unpack[Options],
     ) -> Any:
-        """theta (..., 3, modes, n): every working mode, NaN where a mode does not exist; redundant sub-legs at
-        `swivel` (..., 3), zero unless given.
+        """theta (..., 3, modes, n): every working mode, NaN where a mode does not exist; redundant sub-legs
+        at `swivel` (..., 3), zero unless given.
         """
         return self._answer("inverse_all", (p, Q, redundant, *self._swivels("inverse_all", swivel)), options)
 

@@ -1,7 +1,7 @@
 """What a sub-leg is: the interface that one file per sub-leg implements.
 
-A sub-leg carries the end point S_i (r_i in the plane).  Its file states seven things, and everything else (the
-Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them in
+A sub-leg carries the end point S_i (r_i in the plane).  Its file states seven things, and everything else
+(the Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once) is derived from them in
 `kernels.py`, on the graph:
 
 * `geometry`: the lengths that a person sets and the vectors prepared from them;
@@ -12,12 +12,13 @@ Jacobian M_i, projections N M_i, rates, accelerations, all working modes at once
 * `velocity`: the velocity equations A (F^T s_dot) = B theta_dot in an orthonormal frame F, as (1.9),
   with the dimensionless factors whose zeros are the leg's singularities;
 * `passive`: passive joint angles and the direction of the link that carries the end point;
-* `points`: where the leg's joints are, and which links join them, for pictures and for distances between links.
+* `points`: where the leg's joints are, and which links join them, for pictures and for distances between
+links.
 
 A redundant sub-leg (one more actuator than its end point has coordinates) names its `swivel`, the coordinate
 that chooses among the joints for one end point; its velocity equations have a row more.  Where `forward` or
-`inverse` is left out, there is no closed form, and a bounded Newton iteration from a point nearby is generated
-from `closure` in its place.
+`inverse` is left out, there is no closed form, and a bounded Newton iteration from a point nearby is
+generated from `closure` in its place.
 
 All formulas are those of one leg: `s` is relative to the base frame, `theta` are this leg's actuated joints.
 """
@@ -44,9 +45,9 @@ class VelocityEquations:
     `serial` are the factors of det B (type I singularities), `parallel` those of det A (type II of the sub-
     leg); `determinant` is det M_i in closed form.
 
-    A redundant sub-leg has the rate of its swivel below F^T s_dot: A and B are n x n.  The last row and column
-    of A are zero elsewhere, so that M_i does not depend on how the swivel is measured.  Its `determinant` is
-    None: sqrt(det(M_i M_i^T)) follows from the minors of M_i.
+    A redundant sub-leg has the rate of its swivel below F^T s_dot: A and B are n x n.  The last row and
+    column of A are zero elsewhere, so that M_i does not depend on how the swivel is measured.  Its
+    `determinant` is None: sqrt(det(M_i M_i^T)) follows from the minors of M_i.
     """
 
     F: sp.Matrix
@@ -114,7 +115,8 @@ class SubLeg(ABC):
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
         """End point and posture from the actuated joints.
 
-        `assembly` has a sign for each of `forward_signs`; with `forward_near` it is a point near the end point.
+        `assembly` has a sign for each of `forward_signs`; with `forward_near` it is a point near the end
+        point.
         """
         raise NotImplementedError(f"{self.name} has no forward kinematics in closed form")
 

@@ -47,7 +47,7 @@ class SubLegKernels:
             self._passive(),
             self.points(),
         ]
-        return (*kernels, self._swivel()) if leg.redundant else tuple(kernels)
+        return (*kernels, self._swivel(), self._swivel_difference()) if leg.redundant else tuple(kernels)
 
     def closure(self) -> Kernel:
         """The loop closure as a kernel; it is used by proofs and never printed."""
@@ -79,7 +79,9 @@ class SubLegKernels:
 
     @staticmethod
     def _choice(k: KernelWriter, ports: tuple[Port, ...]) -> sp.Matrix:
-        """The signs of a branch, or the point that chooses it, as a vector; empty where there is no choice."""
+        """The signs of a branch, or the point that chooses it, as a vector; empty where there is no
+        choice.
+        """
         return k.add_input(ports[0]) if ports else sp.Matrix(0, 1, [])
 
     def _posture(self) -> Kernel:
@@ -298,6 +300,13 @@ class SubLegKernels:
         k.add_output(self.ports.swivel, self.leg.swivel_angle(k, self._at(k)))
         return self._end(k)
 
+    def _swivel_difference(self) -> Kernel:
+        doc = "What the joints' accelerations have to give of the swivel's second rate."
+        k = KernelWriter("swivel_difference", doc)
+        wanted, bias = k.add_input(self.ports.swivel_accelerations), k.add_input(self.ports.swivel_bias)
+        k.output("swivel_along", wanted - bias, Unit.ACTUATOR_ACCELERATION, Frame.JOINT)
+        return k.kernel()
+
     # -- Newton steps, where there is no closed form --------------------------------------------------------
 
     def forward_step(self) -> Kernel:
@@ -312,7 +321,8 @@ class SubLegKernels:
         what = "forward" if unknown is self.ports.s else "inverse"
         k = KernelWriter(
             name,
-            f"One Newton step of the {what} kinematics of the {self.leg.notation} sub-leg, from its loop closure.",
+            f"One Newton step of the {what} kinematics of the {self.leg.notation} sub-leg, from its "
+            "loop closure.",
             "",
             self.geometry,
         )
@@ -326,7 +336,8 @@ class SubLegKernels:
         assert residual is not None
         if residual.rows != unknown.size:
             raise ValueError(
-                f"{self.leg.name}: {residual.rows} closure equations do not determine {unknown.size} unknowns; "
+                f"{self.leg.name}: {residual.rows} closure equations do not determine {unknown.size} "
+                "unknowns; "
                 f"state `{what}` in closed form"
             )
         slope = k.let("df", sp.Matrix.hstack(*columns), f"df/d{unknown.name}")

@@ -41,13 +41,6 @@ static inline void krhpr_algebra_planar_difference(
     along[1] = s_ddot[1] - bias[1];
 }
 
-/* What theta_ddot has to give of the swivel's second rate, for redundant sub-legs.  (1 add) */
-static inline void krhpr_algebra_planar_swivel_difference(
-    double swivel_accelerations, double swivel_bias, double *KRHPR_RESTRICT swivel_along)
-{
-    *swivel_along = swivel_accelerations - swivel_bias;
-}
-
 /* Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link.  (2 add, 4
  * multiply) */
 static inline void krhpr_algebra_planar_wrist(

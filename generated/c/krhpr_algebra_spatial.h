@@ -45,13 +45,6 @@ static inline void krhpr_algebra_spatial_difference(
     along[2] = s_ddot[2] - bias[2];
 }
 
-/* What theta_ddot has to give of the swivel's second rate, for redundant sub-legs.  (1 add) */
-static inline void krhpr_algebra_spatial_swivel_difference(
-    double swivel_accelerations, double swivel_bias, double *KRHPR_RESTRICT swivel_along)
-{
-    *swivel_along = swivel_accelerations - swivel_bias;
-}
-
 /* Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last link.
  * (18 add, 27 multiply) */
 static inline void krhpr_algebra_spatial_wrist(

@@ -56,15 +56,6 @@ def difference(s_ddot: Any, bias: Any) -> tuple[Any, ...]:
     )
 
 
-def swivel_difference(swivel_accelerations: Any, swivel_bias: Any) -> tuple[Any, ...]:
-    """What theta_ddot has to give of the swivel's second rate, for redundant sub-legs.  (1 add)"""
-    swivel_accelerations, = swivel_accelerations
-    swivel_bias, = swivel_bias
-    return (
-        swivel_accelerations - swivel_bias,
-    )
-
-
 def wrist(link: Any, redundant_link: Any) -> tuple[Any, ...]:
     """Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last
     link.  (18 add, 27 multiply)"""

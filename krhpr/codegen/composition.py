@@ -76,8 +76,8 @@ class Relation(StrEnum):
 class Repeat:
     """A kernel called again with its own result, until that moves no more: a bounded iteration.
 
-    Its input port `before` begins as the variable `start` and becomes the output port `after`; the output port
-    `change` is at most `tolerance` when it ends well, and it ends after `limit` calls in any case.
+    Its input port `before` begins as the variable `start` and becomes the output port `after`; the output
+    port `change` is at most `tolerance` when it ends well, and it ends after `limit` calls in any case.
     """
 
     before: str

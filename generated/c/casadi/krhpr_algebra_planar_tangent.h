@@ -57,17 +57,6 @@ static inline void krhpr_algebra_planar_difference_tangent(
     }
 }
 
-/* `swivel_difference` with the derivatives of its outputs along directions of its inputs.  (2 add) */
-static inline void krhpr_algebra_planar_swivel_difference_tangent(
-    const krhpr_dual *swivel_accelerations, const krhpr_dual *swivel_bias,
-    krhpr_dual *KRHPR_RESTRICT swivel_along)
-{
-    swivel_along[0].v = swivel_accelerations[0].v - swivel_bias[0].v;
-    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        swivel_along[0].t[k] = swivel_accelerations[0].t[k] - swivel_bias[0].t[k];
-    }
-}
-
 /* `wrist` with the derivatives of its outputs along directions of its inputs.  (10 add, 17 multiply, 1
  * divide, 1 arctangent) */
 static inline void krhpr_algebra_planar_wrist_tangent(

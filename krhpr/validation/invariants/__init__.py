@@ -1,0 +1,19 @@
+"""Invariants: what generated functions must satisfy whatever their formulas are.
+
+Closed loops, there-and-back, virtual work, and the symmetries of the problem.  Everything runs on the
+functions of one target, at random configurations of a random geometry.
+"""
+
+from krhpr.validation.invariants import passive, position, singularities, symmetries, velocity
+from krhpr.validation.outcome import Runner
+from krhpr.validation.paths import nearest_modes
+
+RUNNERS: dict[str, Runner] = {
+    **position.RUNNERS,
+    **velocity.RUNNERS,
+    **singularities.RUNNERS,
+    **passive.RUNNERS,
+    **symmetries.RUNNERS,
+    "nearest mode": nearest_modes,
+}
+"""The code of each check by its name in the plan."""

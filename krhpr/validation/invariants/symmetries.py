@@ -1,0 +1,201 @@
+"""Symmetries of the problem: the base may be turned, the legs exchanged, the lengths scaled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from krhpr.codegen.kernel import LEGS, Layout, Port, Unit
+from krhpr.validation.differences import arc, call
+from krhpr.validation.invariants.batch import runner
+from krhpr.validation.numeric import Floats, Numeric
+from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.sampling import Batch, evaluate
+from krhpr.validation.scale import relative
+from krhpr.validation.subject import Subject
+
+
+def turned_base(one: Numeric, batch: Batch, found: Measured) -> None:
+    """All base azimuths turned by one angle."""
+    angle = 0.7
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.array([[c, -s], [s, c]]) if one.subject.planar else np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+    geometry = {**batch.geometry, "azimuth": tuple(x + angle for x in batch.geometry["azimuth"])}
+    turn = _Turn(R, angle, _measured_from_x(one.subject, batch, R, angle))
+    for function in one.subject.code.functions:
+        inputs = batch.of(function)
+        there = {port.name: turn(port, inputs[port.name]) for port in function.inputs}
+        here = one.call(function.name, inputs, batch.geometry)
+        turned = one.call(function.name, there, geometry)
+        for port in function.outputs:
+            wanted = turn(port, here[port.name])
+            error = relative(port, turned[port.name], wanted, _reference(one, batch, port, wanted))
+            found.worse(error, f"{function.name}: {port.name}")
+
+
+def _measured_from_x(subject: Subject, batch: Batch, R: Floats, angle: float) -> Any:
+    """For each joint 1 if its angle is measured from the base's x axis and turns with the base, else 0."""
+    geometry = {**batch.geometry, "azimuth": tuple(x + angle for x in batch.geometry["azimuth"])}
+    here = evaluate(subject, "subleg_inverse", batch.values, batch.geometry)["theta"]
+    there = evaluate(subject, "subleg_inverse", {**batch.values, "s": batch.values["s"] @ R.T}, geometry)[
+        "theta"
+    ]
+    gap = arc(there, here, subject.code.angular) / angle
+    share = np.round(gap[0, 0, 0])
+    if not np.allclose(gap, share, atol=1e-9):
+        raise ArithmeticError(f"{subject.identifier}: joints turn with the base by different shares")
+    return share
+
+
+def _reference(one: Numeric, batch: Batch, port: Port, wanted: Floats) -> Any:
+    """What a value is compared with: itself, but for residuals and errors, which cancel."""
+    if port.name == "residual":
+        return _lengths(one, batch)
+    return np.ones_like(wanted) if port.name == "error" else wanted
+
+
+def _lengths(one: Numeric, batch: Batch) -> Floats:
+    """What residuals, which cancel, are compared with: the largest elements of the rows of J."""
+    rows: Floats = np.abs(call(one, batch, "jacobians")["J"]).max(axis=-1)
+    return rows
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """The base turned: by the matrix R, which is an angle; joints take a share of it."""
+
+    R: Floats
+    angle: float
+    share: Any
+
+    def __call__(self, port: Port, value: Floats) -> Floats:
+        """A value as it is after the base has turned."""
+        R, d = self.R, len(self.R)
+        if port.name == "phi":
+            return value + self.angle
+        if port.name in ("theta", "theta_near"):
+            return np.asarray(value + self.share * self.angle)
+        if port.name in ("p", "s", "s_near", "points", "attachment"):
+            return value @ R.T
+        if port.name in ("Q", "M"):
+            return np.asarray(R @ value)
+        if port.name in ("twist", "twist_rate", "J"):
+            parts = [value[..., :d] @ R.T, value[..., d:] if d == 2 else value[..., d:] @ R.T]
+            return np.concatenate(parts, axis=-1)
+        return value
+
+
+def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
+    """Every permutation of unequal legs."""
+    for order in permutations(range(LEGS)):
+        geometry = {
+            name: (values[order[0]], values[order[1]], values[order[2]])
+            for name, values in batch.geometry.items()
+        }
+        parity = np.linalg.det(np.eye(LEGS)[list(order)])
+        for function in one.subject.code.functions:
+            inputs = batch.of(function)
+            there = {port.name: _exchanged(port, inputs[port.name], order) for port in function.inputs}
+            here = one.call(function.name, inputs, batch.geometry)
+            exchanged = one.call(function.name, there, geometry)
+            for port in function.outputs:
+                wanted = _exchanged(port, here[port.name], order)
+                if port.name in ("type_2", "margins"):
+                    wanted = wanted * parity
+                reference = _reference(one, batch, port, wanted)
+                if port.name == "residual":
+                    reference = _exchanged(port, reference, order)
+                error = relative(port, exchanged[port.name], wanted, reference)
+                found.worse(error, f"{function.name}: {port.name}, legs {order}")
+
+
+def _exchanged(port: Port, value: Floats, order: tuple[int, ...]) -> Floats:
+    """A leg-wise value with the legs in another order."""
+    if port.layout is Layout.SHARED:
+        return value
+    axis = value.ndim - len(port.full_shape)
+    result = _permuted(value, axis, order)
+    return _permuted(result, axis + 1, order) if port.layout is Layout.DIAGONAL else result
+
+
+def _permuted(value: Floats, axis: int, order: tuple[int, ...]) -> Floats:
+    per_leg = value.shape[axis] // LEGS
+    return np.take(value, [per_leg * leg + k for leg in order for k in range(per_leg)], axis=axis)
+
+
+_POWERS = {
+    Unit.NONE: 0,
+    Unit.RADIAN: 0,
+    Unit.METRE: 1,
+    Unit.SQUARE_METRE: 2,
+    Unit.CUBIC_METRE: 3,
+    Unit.METRE_PER_SECOND: 1,
+    Unit.METRE_PER_SECOND_SQUARED: 1,
+}
+_TWISTS = (Unit.TWIST, Unit.TWIST_RATE)
+_JOINTS = (Unit.ACTUATOR, Unit.ACTUATOR_RATE, Unit.ACTUATOR_ACCELERATION)
+
+
+def power_of_length(subject: Subject, port: Port) -> Any:
+    """The power of length that a port's elements have, broadcast over its shape; None where its unit
+    leaves it open.
+    """
+    if port.unit in _POWERS:
+        return _POWERS[port.unit]
+    if port.unit in _TWISTS:
+        d = subject.platform.space.dimension
+        return np.array([1] * d + [0] * (port.size - d))
+    if port.unit in _JOINTS:
+        if port.name.startswith("redundant"):
+            return int(subject.platform.redundant_joint.kind != "revolute")
+        return np.array([int(not angular) for angular in subject.code.angular])
+    return None
+
+
+def lengths_scaled(one: Numeric, batch: Batch, found: Measured) -> None:
+    """Doubling is exact in binary: every result must be a power of two times what it was, bit by bit."""
+    subject = one.subject
+    fields = {field.name: field.unit for kind in subject.geometry_types.values() for field in kind.fields}
+    geometry = {
+        name: values if fields[name] is Unit.RADIAN else tuple(2 * x for x in values)
+        for name, values in batch.geometry.items()
+    }
+    for function in subject.code.functions:
+        inputs = batch.of(function)
+        there = {
+            port.name: inputs[port.name] * 2.0 ** np.asarray(power_of_length(subject, port))
+            for port in function.inputs
+        }
+        here = one.call(function.name, inputs, batch.geometry)
+        scaled = one.call(function.name, there, geometry)
+        for port in function.outputs:
+            where = f"{function.name}: {port.name}"
+            power = power_of_length(subject, port)
+            a, b = here[port.name], scaled[port.name]
+            if power is None:
+                power = _power_found(a, b)
+                found.worse(float(power is None), f"{where} has no power of length")
+            if power is not None:
+                found.worse((b != a * 2.0 ** np.asarray(power)).astype(float), where)
+
+
+def _power_found(a: Floats, b: Floats) -> Any:
+    """The powers of two between two batches, element by element; None unless each is the same in all
+    samples.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        powers = np.log2(b / a)
+    powers = np.where((a == 0) & (b == 0), np.nan, powers)
+    used = np.nanmax(np.where(np.isnan(powers), -np.inf, powers), axis=0)
+    used = np.where(np.isinf(used) & (used < 0), 0.0, used)
+    return used if np.array_equal(used, np.round(used)) else None
+
+
+RUNNERS: dict[str, Runner] = {
+    "turned base": runner(turned_base),
+    "legs exchanged": runner(legs_exchanged),
+    "lengths scaled": runner(lengths_scaled),
+}

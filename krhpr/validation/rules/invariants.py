@@ -1,0 +1,173 @@
+"""Rules for invariants: what must hold whatever the formulas are."""
+
+from __future__ import annotations
+
+from krhpr.codegen.composition import RobotCode
+from krhpr.validation.check import EXACT, ROUND_TRIP, Samples
+from krhpr.validation.rules.known import FIRST_PRINCIPLES
+from krhpr.validation.rules.rule import BATCH, EVERY, Rule
+
+
+def factors_are_signs(robot: RobotCode) -> bool:
+    """Whether the signs of a working mode are those of the leg's first factors."""
+    return robot.subleg.name in FIRST_PRINCIPLES
+
+
+INVARIANTS = (
+    Rule(
+        "loop closure",
+        "constraints",
+        ROUND_TRIP,
+        BATCH,
+        "End points satisfy the constraint equations.",
+        ("end_points",),
+    ),
+    Rule(
+        "redundant coordinates",
+        "redundant_coordinates",
+        ROUND_TRIP,
+        BATCH,
+        "Redundant coordinates come back from the end points.",
+        ("end_points",),
+    ),
+    Rule(
+        "forward after inverse",
+        "subleg_inverse",
+        ROUND_TRIP,
+        BATCH,
+        "Every working mode leads back to the end point, in an assembly mode of its own.",
+        ("subleg_forward",),
+    ),
+    Rule(
+        "inverse after forward",
+        "subleg_forward",
+        ROUND_TRIP,
+        BATCH,
+        "In every assembly mode the joints are found again among the working modes.",
+        ("subleg_inverse",),
+    ),
+    Rule(
+        "modes",
+        "inverse_all",
+        ROUND_TRIP,
+        BATCH,
+        "inverse, inverse_all and subleg_inverse give the same joints in the same order of modes.",
+        ("inverse", "subleg_inverse"),
+    ),
+    Rule(
+        "signs of modes",
+        "inverse",
+        EXACT,
+        BATCH,
+        "The signs of the working mode are those of the leg's factors.",
+        ("singularity",),
+        factors_are_signs,
+    ),
+    Rule(
+        "defaults",
+        "inverse",
+        ROUND_TRIP,
+        BATCH,
+        "Without a mode the default working mode is used, and without an assembly mode its end point "
+        "comes back.",
+        ("subleg_forward",),
+    ),
+    Rule(
+        "virtual work",
+        "twist",
+        ROUND_TRIP,
+        BATCH,
+        "The power of any wrench equals that of the torques (J^-1 K)^T F that balance it.",
+        ("jacobians",),
+    ),
+    Rule(
+        "J t = K theta_dot",
+        "jacobians",
+        ROUND_TRIP,
+        BATCH,
+        "The velocity equation holds.",
+        ("joint_rates", "jacobian_blocks"),
+    ),
+    Rule("rates and twist", "joint_rates", ROUND_TRIP, BATCH, "twist undoes joint_rates.", ("twist",)),
+    Rule(
+        "accelerations",
+        "joint_accelerations",
+        ROUND_TRIP,
+        BATCH,
+        "platform_acceleration undoes joint_accelerations.",
+        ("platform_acceleration",),
+    ),
+    Rule(
+        "determinants",
+        "singularity",
+        ROUND_TRIP,
+        BATCH,
+        "det M and the factors of det J are those of the matrices.",
+        ("subleg_jacobian", "jacobians"),
+    ),
+    Rule(
+        "margins",
+        "singularity",
+        EXACT,
+        BATCH,
+        "Margins are positive inside the working box of the redundant coordinates.",
+        ("end_points",),
+    ),
+    Rule(
+        "singular configurations",
+        "twist",
+        EXACT,
+        Samples(10, 300),
+        "Where a leg is straight, or the platform's lines or end points are dependent, the status says so "
+        "and only what depends on it is NaN.",
+        ("joint_rates", "platform_acceleration", "joint_accelerations"),
+    ),
+    Rule(
+        "status of inverse",
+        "inverse_status",
+        EXACT,
+        BATCH,
+        "The excess is positive, and the status names the first leg, just where inverse has no answer.",
+        ("inverse",),
+    ),
+    Rule(
+        "nearest mode",
+        "inverse_near",
+        ROUND_TRIP,
+        Samples(3, 12),
+        "Along closed paths across +-pi inverse_near goes on without a jump, stays a solution and returns.",
+        ("inverse",),
+    ),
+    Rule(
+        "passive joints",
+        "passive_joints",
+        ROUND_TRIP,
+        BATCH,
+        "Links laid end to end with the actuated and passive angles lead to the platform's joint.",
+        (),
+        factors_are_signs,
+    ),
+    Rule(
+        "turned base",
+        EVERY,
+        ROUND_TRIP,
+        Samples(10, 300),
+        "Turning the base about z turns vectors in the base frame and leaves joints and scalars alone.",
+    ),
+    Rule(
+        "legs exchanged",
+        EVERY,
+        ROUND_TRIP,
+        Samples(10, 300),
+        "Exchanging unequal legs exchanges their results, leaves the platform's and gives det J the sign"
+        " of the permutation.",
+    ),
+    Rule(
+        "lengths scaled",
+        EVERY,
+        EXACT,
+        Samples(10, 300),
+        "With all lengths doubled each result is multiplied by the power of two of its unit, to the last"
+        " bit.",
+    ),
+)

@@ -1,0 +1,230 @@
+"""Rules for proofs: what is shown of parts and robots by the derivation alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from krhpr.validation.check import BALL, EXACT, Samples
+from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS
+
+MANY = Samples(4, 40)
+FEW = Samples(2, 12)
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A statement about a part's kernel or a robot's function, made of the derivation alone."""
+
+    name: str
+    kernel: str
+    tolerance: float
+    samples: Samples
+    statement: str
+    also: tuple[str, ...] = ()
+    only: tuple[str, ...] | None = None
+
+
+SUBLEG_PROOFS = (
+    Proof(
+        "velocity equations",
+        "velocity",
+        EXACT,
+        MANY,
+        "A, B and M = A^-1 B equal the implicit derivative of the loop closure, found by differentiating"
+        " its graph.",
+        ("jacobian",),
+    ),
+    Proof(
+        "first principles",
+        "jacobian",
+        EXACT,
+        MANY,
+        "The closure equals one written from rotations of vectors, and M equals its implicit derivative "
+        "by SymPy.",
+        only=FIRST_PRINCIPLES,
+    ),
+    Proof(
+        "thesis matrices",
+        "velocity",
+        EXACT,
+        MANY,
+        "A, B and M equal the thesis' matrices written in the base frame: (1.10) to (1.15) with the "
+        "erratum of (1.10) and "
+        "(A.2); (2.15); the planar RR column by column.",
+        ("jacobian",),
+        FIRST_PRINCIPLES,
+    ),
+    Proof(
+        "products of M",
+        "project",
+        EXACT,
+        MANY,
+        "project = N M, velocity = M theta_dot and rates = M^-1 s_dot; their guards are the factors of "
+        "det M.",
+        ("velocity", "rates"),
+    ),
+    Proof(
+        "determinant of M",
+        "determinant",
+        EXACT,
+        MANY,
+        "The closed form of det M equals the determinant of M; the dimensionless factors multiply up to "
+        "it, with a "
+        "constant of the geometry.",
+    ),
+    Proof(
+        "accelerations",
+        "bias",
+        EXACT,
+        MANY,
+        "Along a motion, as truncated Taylor series: s_dot = M theta_dot and s_ddot = M theta_ddot + "
+        "bias for the end point "
+        "of `forward`, which satisfies the closure to second order.",
+        ("forward", "velocity"),
+    ),
+    Proof(
+        "forward closes",
+        "forward",
+        EXACT,
+        MANY,
+        "`forward` satisfies the closure in every assembly mode, and its posture is that of `posture`.",
+        ("forward_posture", "posture"),
+    ),
+    Proof(
+        "inverse closes",
+        "inverse",
+        BALL,
+        MANY,
+        "`inverse` satisfies the closure in every working mode, each a different solution; `inverse_all`"
+        " has them in order.",
+        ("inverse_all",),
+    ),
+    Proof(
+        "reach",
+        "reach",
+        EXACT,
+        MANY,
+        "At random points within and out of reach: `reach` is positive just where the working mode does "
+        "not exist.",
+    ),
+    Proof(
+        "passive joints",
+        "passive",
+        EXACT,
+        MANY,
+        "The links, laid end to end with the passive angles, meet in S_i; the last link's frame is a "
+        "rotation.",
+        only=FIRST_PRINCIPLES,
+    ),
+)
+
+PLATFORM_PROOFS = (
+    Proof(
+        "closure",
+        "end_point",
+        EXACT,
+        MANY,
+        "The end point satisfies the constraint equations, and the redundant coordinate comes back from it.",
+        ("residual", "redundant"),
+    ),
+    Proof(
+        "rows",
+        "rows",
+        EXACT,
+        MANY,
+        "J t - N s_dot equals the derivative of the constraint equations along any twist and s_dot.",
+        ("residual",),
+    ),
+    Proof("thesis rows", "rows", EXACT, MANY, "J equals (1.31), (2.28), (2.7) as printed.", only=THESIS_ROWS),
+    Proof(
+        "lines",
+        "line",
+        EXACT,
+        MANY,
+        "Lines and points are the rows of J and S_i in the platform frame.",
+    ),
+    Proof(
+        "end velocity and acceleration",
+        "end_velocity",
+        EXACT,
+        MANY,
+        "Along a motion, as truncated Taylor series: s_dot and s_ddot equal the derivatives of `end_point`.",
+        ("end_acceleration",),
+    ),
+    Proof(
+        "row bias",
+        "row_bias",
+        EXACT,
+        MANY,
+        "Along a motion: J t_dot = N s_ddot + bias, with s_ddot differentiated from `end_point`.",
+    ),
+    Proof(
+        "solve",
+        "solve",
+        EXACT,
+        MANY,
+        "J times the twist of `solve` gives the rates back, for any S_i; its guards are det J_a and det J_n, "
+        "made dimensionless.",
+    ),
+    Proof(
+        "determinant of J",
+        "type_2",
+        EXACT,
+        MANY,
+        "det J = det J_a det J_n, and both equal their closed forms in the redundant coordinates.",
+    ),
+    Proof(
+        "equilateral",
+        "type_2",
+        EXACT,
+        MANY,
+        "For legs at 120 deg and equal lengths, in the field of rationals with sqrt(3): -l^3 r f and g, "
+        "or (sqrt3/2) s1 and "
+        "(sqrt3/2) s2.",
+        only=THESIS_ROWS,
+    ),
+    Proof(
+        "joint",
+        "joint",
+        EXACT,
+        MANY,
+        "The redundant link's frame is a rotation and points from S_i to its joint.",
+    ),
+)
+
+ROBOT_PROOFS = (
+    Proof(
+        "joint motion",
+        "joint_rates",
+        EXACT,
+        FEW,
+        "Along a motion of the platform: joints with these rates and accelerations satisfy the legs' "
+        "closure to second "
+        "order, as truncated Taylor series.",
+        ("joint_accelerations",),
+    ),
+    Proof(
+        "inverse maps",
+        "twist",
+        EXACT,
+        FEW,
+        "twist undoes joint_rates, and platform_acceleration undoes joint_accelerations.",
+        ("joint_rates", "platform_acceleration", "joint_accelerations"),
+    ),
+    Proof(
+        "velocity equation",
+        "jacobians",
+        EXACT,
+        FEW,
+        "J t = K theta_dot for the twist and the rates above, with K from its blocks; N M is K.",
+        ("jacobian_blocks", "subleg_jacobian", "twist"),
+    ),
+    Proof(
+        "det J",
+        "singularity",
+        EXACT,
+        FEW,
+        "det J equals the product of its factors, det M those of the legs.",
+        ("jacobians", "subleg_jacobian"),
+    ),
+)
