@@ -131,8 +131,11 @@ class _Functions:
             return ()
         return (Guard(variable, 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
 
-    def _serial_guard(self) -> Guard:
-        return Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1)
+    def _serial_guard(self) -> tuple[Guard, ...]:
+        """Where a sub-leg's actuators cannot give its end point every velocity."""
+        if not self.robot.subleg.has_serial_factors():
+            return ()
+        return (Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
 
     def _platform_guards(self) -> tuple[Guard, ...]:
         limit = SINGULAR_TOLERANCE**2  # the kernel gives squares
@@ -377,7 +380,7 @@ class _Functions:
             ),
             (self.leg.theta_dot,),
             (self._on_leg("platform", "end_velocity"), self._posture(), self._on_leg("subleg", "rates")),
-            (self._serial_guard(),),
+            self._serial_guard(),
         )
 
     # -- acceleration ---------------------------------------------------------------------------------------
@@ -440,7 +443,7 @@ class _Functions:
             ),
             (self._theta_ddot(),),
             calls,
-            (*self._parallel_guard("parallel_regularity"), self._serial_guard()),
+            (*self._parallel_guard("parallel_regularity"), *self._serial_guard()),
         )
 
     def _theta_ddot(self) -> Port:

@@ -36,6 +36,7 @@ from krhpr.codegen.kernel import GeometryType, Kernel, Port
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
 from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
+from krhpr.derivations.vectors import solve_structured
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,9 @@ class VelocityEquations:
 
     `serial` are the factors of det B (type I singularities), `parallel` those of det A (type II of the sub-
     leg); `determinant` is det M_i in closed form.
+
+    `others` are factors that det M_i does not show: constraint singularities of a sub-leg with a platform of
+    its own, or where the swivel of a redundant one has no meaning (its rates are then guarded by them).
 
     A redundant sub-leg has the rate of its swivel below F^T s_dot: A and B are n x n.  The last row and
     column of A are zero elsewhere, so that M_i does not depend on how the swivel is measured.  Its
@@ -56,6 +60,7 @@ class VelocityEquations:
     determinant: Any
     serial: tuple[Factor, ...]
     parallel: tuple[Factor, ...] = ()
+    others: tuple[Factor, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -158,6 +163,12 @@ class SubLeg(ABC):
         """The swivel of a redundant sub-leg at a posture."""
         raise NotImplementedError(f"{self.name} is not redundant")
 
+    def rates(
+        self, k: KernelWriter, at: SimpleNamespace, equations: VelocityEquations, task: sp.Matrix
+    ) -> sp.Matrix:
+        """theta_dot from `task`: F^T s_dot, and the swivel's rate below it for a redundant sub-leg."""
+        return solve_structured(equations.B, k.let("w", equations.A * task, "A s_dot"))
+
     @abstractmethod
     def closure(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> sp.Matrix:
         """Loop closure equations f(s, theta) = 0 that define the leg, from which `velocity` is proven."""
@@ -210,11 +221,14 @@ class SubLeg(ABC):
         """Whether the sub-leg has a closed loop, and with it configurations in which M_i does not exist."""
         return bool(SubLegKernels(self).factors()[1])
 
+    def has_serial_factors(self) -> bool:
+        """Whether there are configurations in which M_i, or the rates of its joints, cannot be inverted."""
+        return bool(SubLegKernels(self).factors()[0])
+
     def points_port(self) -> Port:
         """The port of its joints' positions, with their names."""
         return SubLegKernels(self).points().output_port("points")
 
     def factor_names(self) -> list[tuple[str, str]]:
         """Names and meanings of the leg's singular factors, serial ones first."""
-        serial, parallel = SubLegKernels(self).factors()
-        return [(factor.name, factor.doc) for factor in (*serial, *parallel)]
+        return [(factor.name, factor.doc) for kind in SubLegKernels(self).factors() for factor in kind]

@@ -56,11 +56,11 @@ class SubLegKernels:
         k.output("residual", residual)
         return k.kernel()
 
-    def factors(self) -> tuple[tuple[Factor, ...], tuple[Factor, ...]]:
-        """The serial and the parallel factors of det M_i."""
+    def factors(self) -> tuple[tuple[Factor, ...], tuple[Factor, ...], tuple[Factor, ...]]:
+        """The serial and the parallel factors of det M_i, and the others."""
         k = KernelWriter("factors", "", geometry=self.geometry)
         equations = self.leg.velocity(k, self._at(k))
-        return equations.serial, equations.parallel
+        return equations.serial, equations.parallel, equations.others
 
     def _forward(self, *, posture: bool = False) -> Kernel:
         name, more = ("forward_posture", " and posture") if posture else ("forward", "")
@@ -243,13 +243,14 @@ class SubLegKernels:
             "(1.9)",
             self.geometry,
         )
-        equations = self.leg.velocity(k, self._at(k))
+        at = self._at(k)
+        equations = self.leg.velocity(k, at)
         local = k.let("v_l", equations.F.T * k.add_input(self.ports.s_dot), "velocity in the leg's frame")
         if self.leg.redundant:
             local = sp.Matrix([*local, k.add_input(self.ports.swivel_rates)])
-        right = k.let("w", equations.A * local, "A s_dot")
-        k.add_output(self.ports.theta_dot, solve_structured(equations.B, right))
-        self._regularity(k, equations.serial)
+        k.add_output(self.ports.theta_dot, self.leg.rates(k, at, equations, local))
+        coordinate = equations.others if self.leg.redundant else ()
+        self._regularity(k, (*equations.serial, *coordinate))
         return self._end(k)
 
     def _determinant(self) -> Kernel:
@@ -267,7 +268,7 @@ class SubLegKernels:
             k.output("det_M", sp.sqrt(gram), Unit.MIXED, doc="sqrt(det(M_i M_i^T))")
         else:
             k.output("det_M", equations.determinant, Unit.MIXED, doc="det M_i")
-        factors = [factor.value for factor in (*equations.serial, *equations.parallel)]
+        factors = [factor.value for factor in (*equations.serial, *equations.parallel, *equations.others)]
         k.add_output(self.ports.factors(len(factors)), factors)
         return self._end(k)
 

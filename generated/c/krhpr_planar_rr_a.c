@@ -250,9 +250,9 @@ KRHPR_API int krhpr_planar_rr_a_subleg_jacobian(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double d[2];
-        double u_2[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_jacobian(&g->subleg[i], d, u_2, M + 4 * i);
+        double v_1[2];
+        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_jacobian(&g->subleg[i], d, v_1, M + 4 * i);
     }
     return status;
 }
@@ -338,12 +338,12 @@ KRHPR_API int krhpr_planar_rr_a_jacobians(
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double d[2];
-        double u_2[2];
+        double v_1[2];
         double K_block[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K_block);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_project(&g->subleg[i], d, v_1, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -391,11 +391,11 @@ KRHPR_API int krhpr_planar_rr_a_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double d[2];
-        double u_2[2];
+        double v_1[2];
         krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_project(&g->subleg[i], d, u_2, N, K + 2 * i);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_project(&g->subleg[i], d, v_1, N, K + 2 * i);
     }
     return status;
 }
@@ -621,12 +621,12 @@ KRHPR_API int krhpr_planar_rr_a_twist(
         double N[2];
         double scale[2];
         double d[2];
-        double u_2[2];
+        double v_1[2];
         double s_dot[2];
         krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_dot + 2 * i, s_dot);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, v_1, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -681,12 +681,12 @@ KRHPR_API int krhpr_planar_rr_a_joint_rates(
     for (int i = 0; i < 3; ++i) {
         double s_dot[2];
         double d[2];
-        double u_2[2];
+        double v_1[2];
         krhpr_platform_planar_a_end_velocity(
             &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, v_1, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -745,7 +745,7 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration(
         double s_dot[2];
         double bias[2];
         double d[2];
-        double u_2[2];
+        double v_1[2];
         double along[2];
         double s_ddot[2];
         double row_bias[1];
@@ -753,8 +753,8 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration(
         krhpr_subleg_planar_rr_bias(
             &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, u_2, theta_ddot + 2 * i, along);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, v_1, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
@@ -817,7 +817,7 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
         double bias[2];
         double along[2];
         double d[2];
-        double u_2[2];
+        double v_1[2];
         krhpr_platform_planar_a_end_acceleration(
             &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
@@ -826,8 +826,8 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
             bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, u_2, along, theta_ddot + 2 * i, &regularity[i]);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, v_1, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -881,12 +881,12 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double d[2];
-        double u_2[2];
+        double v_1[2];
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_passive(&g->subleg[i], u_2, link);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_passive(&g->subleg[i], v_1, link);
         krhpr_platform_planar_a_joint(
             &g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 3 + 1 * i, tail_x + 3 + 1 * i);
@@ -938,10 +938,10 @@ KRHPR_API int krhpr_planar_rr_a_link_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double d[2];
-        double u_2[2];
+        double v_1[2];
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_points(&g->subleg[i], u_2, s + 2 * i, points + 6 * i);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_points(&g->subleg[i], d, v_1, s + 2 * i, points + 6 * i);
         krhpr_platform_planar_a_attachment(&g->platform[i], p, Q, attachment + 2 * i);
     }
     return status;
@@ -992,11 +992,11 @@ KRHPR_API int krhpr_planar_rr_a_singularity(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double d[2];
-        double u_2[2];
+        double v_1[2];
         double N[2];
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u_2);
-        krhpr_subleg_planar_rr_determinant(&g->subleg[i], d, u_2, &type_1[i], factors + i);
+            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + i);
         krhpr_platform_planar_a_line(
             &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }

@@ -361,7 +361,8 @@ KRHPR_API int krhpr_planar_rr_a_link_points_batch(
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
  *   out    type_1 (3, mixed): det M_i
- *   out    factors (3 x 1): factors of det M_i (elbow: links aligned, sin(theta_2) = 0) [elbow]
+ *   out    factors (3 x 1): factors of det M_i (elbow: links aligned, the sine of the elbow's angle is
+ *          zero) [elbow]
  *   out    type_2 (1, mixed, platform frame): factors of det J [det J_a]
  *   out    margins (1, mixed): -det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30,
  *          150) deg [det J_a]

@@ -404,8 +404,8 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  *   out    type_1 (3, mixed): det M_i
- *   out    factors (3 x 2): factors of det M_i (shoulder: S_i on the first axis; elbow: links i2 and i3
- *          aligned, sin(theta_3) = 0) [shoulder, elbow]
+ *   out    factors (3 x 2): factors of det M_i (shoulder: S_i on the first axis; elbow: links aligned, the
+ *          sine of the elbow's angle is zero) [shoulder, elbow]
  *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
  *   out    margins (2, mixed): -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive
  *          for beta in (30, 150) deg [det J_a, det J_n]

@@ -545,7 +545,7 @@ KRHPR_API int krhpr_spatial_rrr_c_inverse_status(
     for (int i = 0; i < 3; ++i) {
         double s[3];
         krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_subleg_rrr_reach(&g->subleg[i], s, mode + 2 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {

@@ -15,8 +15,8 @@
 typedef struct {
     double azimuth; /* azimuth of the leg on the base (rad) */
     double R_b; /* circumradius of the base (m) */
-    double l_1; /* first link (m) */
-    double l_2; /* second link (m) */
+    double l_1; /* link to the elbow (m) */
+    double l_2; /* link from the elbow to the end point (m) */
     double o[2]; /* base joint */
     double k[7]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rr_geometry;
@@ -26,16 +26,16 @@ typedef struct {
  * cosine, 1 select) */
 static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g)
 {
-    double t1, t2; krhpr_sincos(g->azimuth, &t1, &t2);
-    const double t3 = g->l_1 - g->l_2;
-    const double t4 = g->l_1 + g->l_2;
-    g->o[0] = g->R_b * t2;
-    g->o[1] = g->R_b * t1;
-    g->k[0] = t3 * t3;
-    g->k[1] = t4 * t4;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
+    const double t1 = g->l_1 - g->l_2;
+    const double t2 = g->l_1 + g->l_2;
+    g->o[0] = g->R_b * e_r_0;
+    g->o[1] = g->R_b * e_r_1;
+    g->k[0] = t1 * t1;
+    g->k[1] = t2 * t2;
     g->k[2] = g->l_1 * g->l_1;
     g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = fabs(t3);
+    g->k[4] = fabs(t1);
     g->k[5] = 1.0 / (g->l_1 * g->l_2);
     g->k[6] = 1.0 / g->l_2;
 }
@@ -52,10 +52,10 @@ static inline void krhpr_subleg_planar_rr_forward(
     const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s)
 {
-    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
-    const double u_2_1 = g->l_2 * sine[0];
-    const double d_0 = u_2_0 + g->l_1 * cosine[1]; /* r - o */
-    const double d_1 = u_2_1 + g->l_1 * sine[1];
+    const double v_1_0 = g->l_2 * cosine[0]; /* last link */
+    const double v_1_1 = g->l_2 * sine[0];
+    const double d_0 = v_1_0 + g->l_1 * cosine[1];
+    const double d_1 = v_1_1 + g->l_1 * sine[1];
     s[0] = g->o[0] + d_0;
     s[1] = g->o[1] + d_1;
 }
@@ -71,18 +71,18 @@ static inline void krhpr_subleg_planar_rr_forward_posture_angles(
 /* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_forward_posture(
     const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2],
-    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
-    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
-    const double u_2_1 = g->l_2 * sine[0];
-    const double d_0 = u_2_0 + g->l_1 * cosine[1]; /* r - o */
-    const double d_1 = u_2_1 + g->l_1 * sine[1];
+    const double v_1_0 = g->l_2 * cosine[0]; /* last link */
+    const double v_1_1 = g->l_2 * sine[0];
+    const double d_0 = v_1_0 + g->l_1 * cosine[1];
+    const double d_1 = v_1_1 + g->l_1 * sine[1];
     s[0] = g->o[0] + d_0;
     s[1] = g->o[1] + d_1;
     d[0] = d_0;
     d[1] = d_1;
-    u_2[0] = u_2_0;
-    u_2[1] = u_2_1;
+    v_1[0] = v_1_0;
+    v_1[1] = v_1_1;
 }
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
@@ -145,7 +145,7 @@ static inline void krhpr_subleg_planar_rr_inverse_all(
 static inline void krhpr_subleg_planar_rr_reach(
     const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->o[0];
+    const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
     const double distance = sqrt(d_0 * d_0 + d_1 * d_1);
     *excess = krhpr_max(distance - g->l_1 - g->l_2, g->k[4] - distance);
@@ -161,49 +161,49 @@ static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], 
  * multiply) */
 static inline void krhpr_subleg_planar_rr_posture(
     const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1],
-    const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2)
+    const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
     const double d_0 = s[0] - g->o[0];
     const double d_1 = s[1] - g->o[1];
     d[0] = d_0;
     d[1] = d_1;
-    u_2[0] = d_0 - g->l_1 * cosine[0];
-    u_2[1] = d_1 - g->l_1 * sine[0];
+    v_1[0] = d_0 - g->l_1 * cosine[0];
+    v_1[1] = d_1 - g->l_1 * sine[0];
 }
 
 /* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_planar_rr_jacobian(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2],
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT M)
 {
     (void)(g);
     const double m_00 = -d[1];
-    const double m_01 = -u_2[1];
+    const double m_01 = -v_1[1];
     M[0] = m_00;
     M[1] = m_01;
     M[2] = d[0];
-    M[3] = u_2[0];
+    M[3] = v_1[0];
 }
 
 /* Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_project(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double N[2],
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2], const double N[2],
     double *KRHPR_RESTRICT K)
 {
     (void)(g);
     K[0] = d[0] * N[1] - d[1] * N[0];
-    K[1] = u_2[0] * N[1] - u_2[1] * N[0];
+    K[1] = v_1[0] * N[1] - v_1[1] * N[0];
 }
 
 /* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_velocity(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2],
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
-    const double w_0 = -(d[1] * theta_dot[0] + u_2[1] * theta_dot[1]);
-    const double w_1 = d[0] * theta_dot[0] + u_2[0] * theta_dot[1];
+    const double w_0 = -(d[1] * theta_dot[0] + v_1[1] * theta_dot[1]);
+    const double w_1 = d[0] * theta_dot[0] + v_1[0] * theta_dot[1];
     s_dot[0] = w_0;
     s_dot[1] = w_1;
 }
@@ -222,10 +222,10 @@ static inline void krhpr_subleg_planar_rr_bias(
 {
     const double d_0 = s[0] - g->o[0]; /* r - o */
     const double d_1 = s[1] - g->o[1];
-    const double u_2_0 = d_0 - g->l_1 * cosine[0]; /* second link */
-    const double u_2_1 = d_1 - g->l_1 * sine[0];
-    const double t1 = theta_dot[0] * d_1 + theta_dot[1] * u_2_1;
-    const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * u_2_0;
+    const double v_1_0 = d_0 - g->l_1 * cosine[0]; /* last link */
+    const double v_1_1 = d_1 - g->l_1 * sine[0];
+    const double t1 = theta_dot[0] * d_1 + theta_dot[1] * v_1_1;
+    const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * v_1_0;
     const double t2 = theta_dot[0] * s_dot_1 + theta_dot[1] * (s_dot_1 - g->l_1 * (theta_dot[0] * cosine[0]));
     s_dot[0] = -t1;
     s_dot[1] = s_dot_1;
@@ -236,43 +236,43 @@ static inline void krhpr_subleg_planar_rr_bias(
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rr_rates(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2], const double s_dot[2],
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2], const double s_dot[2],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
-    const double det = d[0] * u_2[1] - d[1] * u_2[0]; /* l_1 l_2 sin(theta_2) */
-    const double t1 = 1.0 / det;
-    theta_dot[0] = (u_2[0] * s_dot[0] + u_2[1] * s_dot[1]) * t1;
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const double t1 = 1.0 / elbow;
+    theta_dot[0] = (v_1[0] * s_dot[0] + v_1[1] * s_dot[1]) * t1;
     theta_dot[1] = -t1 * (d[0] * s_dot[0] + d[1] * s_dot[1]);
-    *regularity = fabs(det * g->k[5]);
+    *regularity = fabs(elbow * g->k[5]);
 }
 
 /* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
 static inline void krhpr_subleg_planar_rr_determinant(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double u_2[2],
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
-    const double det = d[0] * u_2[1] - d[1] * u_2[0];
-    *det_M = det;
-    factors[0] = det * g->k[5];
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0];
+    *det_M = elbow;
+    factors[0] = elbow * g->k[5];
 }
 
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
 static inline void krhpr_subleg_planar_rr_passive(
-    const krhpr_subleg_planar_rr_geometry *g, const double u_2[2], double *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rr_geometry *g, const double v_1[2], double *KRHPR_RESTRICT link)
 {
-    link[0] = u_2[0] * g->k[6];
-    link[1] = u_2[1] * g->k[6];
+    link[0] = v_1[0] * g->k[6];
+    link[1] = v_1[1] * g->k[6];
 }
 
-/* Joints of the RR sub-leg, from the base to S_i.  (2 add) */
+/* Joints of the RR sub-leg, from the base to S_i.  (4 add) */
 static inline void krhpr_subleg_planar_rr_points(
-    const krhpr_subleg_planar_rr_geometry *g, const double u_2[2], const double s[2],
+    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {
     points[0] = g->o[0];
     points[1] = g->o[1];
-    points[2] = s[0] - u_2[0];
-    points[3] = s[1] - u_2[1];
+    points[2] = g->o[0] + d[0] - v_1[0];
+    points[3] = g->o[1] + d[1] - v_1[1];
     points[4] = s[0];
     points[5] = s[1];
 }

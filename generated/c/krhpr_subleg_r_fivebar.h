@@ -26,7 +26,7 @@ typedef struct {
     double c[3]; /* end of link i1 */
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction, e_2 at theta_1 = 0 */
+    double e_t[3]; /* tangential direction */
     double k[23]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_r_fivebar_geometry;
 
@@ -35,12 +35,12 @@ typedef struct {
  * cosine, 2 select) */
 static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
-    const double t2 = e_r_0 * t1;
+    const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
     const double t4 = g->l_1 * t2;
-    const double c_0 = g->R_b * e_r_0 - t4;
+    const double c_0 = g->R_b * e_t_1 - t4;
     const double t5 = g->l_1 * t3;
     const double c_1 = g->R_b * e_r_1 - t5;
     const double k_7 = 1.0 - g->l_5 / g->l_6;
@@ -53,14 +53,14 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
     g->c[0] = c_0;
     g->c[1] = c_1;
     g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -e_r_0 * e_1_2;
+    g->e_x[0] = -e_t_1 * e_1_2;
     g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_r_0 * t2 + e_r_1 * t3);
+    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
     g->e_1[0] = -t2;
     g->e_1[1] = -t3;
     g->e_1[2] = e_1_2;
     g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_r_0;
+    g->e_t[1] = e_t_1;
     g->e_t[2] = 0.0;
     g->k[0] = g->l_3 * g->l_3;
     g->k[1] = t6 * t6;
@@ -90,24 +90,21 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 static inline void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    angle[0] = theta[0];
-    angle[1] = theta[1];
-    angle[2] = theta[2];
+    angle[0] = theta[1];
+    angle[1] = theta[2];
+    angle[2] = theta[0];
 }
 
-/* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 28 multiply, 1
+/* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 28 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_r_fivebar_forward(
     const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double u_1_0 = g->l_4 * cosine[1]; /* E - c in (x, e_1) */
-    const double u_1_1 = g->l_4 * sine[1];
-    const double u_2_0 = g->l_2 * cosine[2]; /* C - c in (x, e_1) */
-    const double u_2_1 = g->l_2 * sine[2];
+    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4 * sine[0];
+    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2 * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
@@ -115,14 +112,18 @@ static inline void krhpr_subleg_r_fivebar_forward(
     const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
     const double h2 = g->k[0] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
-    const double t2 = along - 1.0;
-    const double w_0 = f_0 * t2 - f_1 * across; /* P - E */
-    const double w_1 = f_0 * across + f_1 * t2;
-    const double d_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
+    const double meeting_0 = f_0 * along - f_1 * across;
+    const double meeting_1 = f_0 * across + f_1 * along;
+    const double w_0 = meeting_0 - f_0; /* P - E */
+    const double w_1 = meeting_1 - f_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2];
     const double d_1 = u_1_1 + w_1 * g->k[2];
-    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
+    const double x_2 = g->e_x[2] * cosine[2];
+    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     *radicand = h2;
 }
 
@@ -130,12 +131,12 @@ static inline void krhpr_subleg_r_fivebar_forward(
 static inline void krhpr_subleg_r_fivebar_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    angle[0] = theta[0];
-    angle[1] = theta[1];
-    angle[2] = theta[2];
+    angle[0] = theta[1];
+    angle[1] = theta[2];
+    angle[2] = theta[0];
 }
 
-/* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 33
+/* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 33
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_r_fivebar_forward_posture(
     const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3],
@@ -143,13 +144,10 @@ static inline void krhpr_subleg_r_fivebar_forward_posture(
     double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2,
     double *KRHPR_RESTRICT radicand)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double u_1_0 = g->l_4 * cosine[1]; /* E - c in (x, e_1) */
-    const double u_1_1 = g->l_4 * sine[1];
-    const double u_2_0 = g->l_2 * cosine[2]; /* C - c in (x, e_1) */
-    const double u_2_1 = g->l_2 * sine[2];
+    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4 * sine[0];
+    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2 * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
@@ -157,20 +155,24 @@ static inline void krhpr_subleg_r_fivebar_forward_posture(
     const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
     const double h2 = g->k[0] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
-    const double t2 = along - 1.0;
-    const double w_0 = f_0 * t2 - f_1 * across; /* P - E */
-    const double w_1 = f_0 * across + f_1 * t2;
-    const double d_0 = u_1_0 + w_0 * g->k[2]; /* s - c in (x, e_1) */
+    const double meeting_0 = f_0 * along - f_1 * across;
+    const double meeting_1 = f_0 * across + f_1 * along;
+    const double w_0 = meeting_0 - f_0; /* P - E */
+    const double w_1 = meeting_1 - f_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2];
     const double d_1 = u_1_1 + w_1 * g->k[2];
-    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
+    const double x_2 = g->e_x[2] * cosine[2];
+    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
-    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
-    e_2[2] = g->e_x[2] * sine[0];
+    e_2[0] = g->e_t[0] * cosine[2] + g->e_x[0] * sine[2];
+    e_2[1] = g->e_t[1] * cosine[2] + g->e_x[1] * sine[2];
+    e_2[2] = g->e_x[2] * sine[2];
     d[0] = d_0;
     d[1] = d_1;
     u_1[0] = u_1_0;
@@ -202,7 +204,7 @@ static inline void krhpr_subleg_r_fivebar_inverse(
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* r_i = u_1 + w */
+    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* u_1 + w - o_12 */
     const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
     const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
@@ -247,7 +249,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* r_i = u_1 + w */
+    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* u_1 + w - o_12 */
     const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
     const double t6 = p_1 * p_1;
     const double d2_2 = p_0 * p_0 + t6;
@@ -266,7 +268,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double m_a = t3 + t4;
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7] * (r - u_1_0_a); /* r_i = u_1 + w */
+    const double p_0_a = u_1_0_a + g->k[7] * (r - u_1_0_a); /* u_1 + w - o_12 */
     const double p_1_a = u_1_1_a + g->k[7] * (y - u_1_1_a);
     const double t11 = p_1_a * p_1_a;
     const double d2_2_a = p_0_a * p_0_a + t11;
@@ -283,7 +285,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double m_2_c = t14 + t15;
     const double n_b = t2 - t1;
     const double u_1_0_b = t5 * (0.5 * n_b);
-    const double p_0_b = u_1_0_b - g->k[7] * (r + u_1_0_b); /* r_i = u_1 + w */
+    const double p_0_b = u_1_0_b - g->k[7] * (r + u_1_0_b); /* u_1 + w - o_12 */
     const double d2_2_b = t11 + p_0_b * p_0_b;
     const double h2_2_b = (d2_2_b - g->k[8]) * (g->k[9] - d2_2_b); /* 4 a^2 b^2 sin^2 */
     const double S_2_b = sqrt(h2_2_b); /* 2 a b sin */
@@ -297,7 +299,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double n_2_e = t16 - t17;
     const double m_2_e = t18 + t19;
     const double n_c = -n;
-    const double p_0_c = g->k[7] * (u_1_0 - r) - u_1_0; /* r_i = u_1 + w */
+    const double p_0_c = g->k[7] * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
     const double d2_2_c = t6 + p_0_c * p_0_c;
     const double h2_2_c = (d2_2_c - g->k[8]) * (g->k[9] - d2_2_c); /* 4 a^2 b^2 sin^2 */
     const double S_2_c = sqrt(h2_2_c); /* 2 a b sin */
@@ -364,7 +366,7 @@ static inline void krhpr_subleg_r_fivebar_reach(
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* r_i = u_1 + w */
+    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* u_1 + w - o_12 */
     const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
@@ -539,9 +541,9 @@ static inline void krhpr_subleg_r_fivebar_bias(
     const double arm_2 = s[2] - g->c[2];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
     const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double u_1_0 = g->l_4 * cosine[1];
+    const double u_1_0 = g->l_4 * cosine[1]; /* crank u_1 */
     const double u_1_1 = g->l_4 * sine[1];
-    const double u_2_0 = g->l_2 * cosine[2];
+    const double u_2_0 = g->l_2 * cosine[2]; /* crank u_2 */
     const double u_2_1 = g->l_2 * sine[2];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
@@ -660,7 +662,7 @@ static inline void krhpr_subleg_r_fivebar_passive(
     const double v_1_1 = d[1] - u_1[1];
     const double v_2_0 = u_1[0] + v_1_0 * g->k[19] - u_2[0]; /* (1.15) */
     const double v_2_1 = u_1[1] + v_1_1 * g->k[19] - u_2[1];
-    const double dir_0 = v_1_0 * g->k[18]; /* direction of the link in (x, e_1) */
+    const double dir_0 = v_1_0 * g->k[18]; /* direction of the last link in (x, e_1) */
     const double dir_1 = v_1_1 * g->k[18];
     const double along_0 = x[0] * dir_0 + g->e_1[0] * dir_1;
     const double along_1 = x[1] * dir_0 + g->e_1[1] * dir_1;

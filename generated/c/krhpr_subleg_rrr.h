@@ -18,12 +18,12 @@ typedef struct {
     double R_b; /* circumradius of the base (m) */
     double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
     double l_1; /* link i1, along the first axis (m) */
-    double l_2; /* link i2 (m) */
-    double l_3; /* link i3 (m) */
+    double l_2; /* link to the elbow (m) */
+    double l_3; /* link from the elbow to the end point (m) */
     double c[3]; /* end of link i1 */
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction, e_2 at theta_1 = 0 */
+    double e_t[3]; /* tangential direction */
     double k[11]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_rrr_geometry;
 
@@ -32,12 +32,12 @@ typedef struct {
  * cosine, 1 select) */
 static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
-    const double t2 = e_r_0 * t1;
+    const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
     const double t4 = g->l_1 * t2;
-    const double c_0 = g->R_b * e_r_0 - t4;
+    const double c_0 = g->R_b * e_t_1 - t4;
     const double t5 = g->l_1 * t3;
     const double c_1 = g->R_b * e_r_1 - t5;
     const double t6 = g->l_2 - g->l_3;
@@ -45,14 +45,14 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
     g->c[0] = c_0;
     g->c[1] = c_1;
     g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -e_r_0 * e_1_2;
+    g->e_x[0] = -e_t_1 * e_1_2;
     g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_r_0 * t2 + e_r_1 * t3);
+    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
     g->e_1[0] = -t2;
     g->e_1[1] = -t3;
     g->e_1[2] = e_1_2;
     g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_r_0;
+    g->e_t[1] = e_t_1;
     g->e_t[2] = 0.0;
     g->k[0] = t6 * t6;
     g->k[1] = t7 * t7;
@@ -70,9 +70,9 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g)
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
 static inline void krhpr_subleg_rrr_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    angle[0] = theta[0];
-    angle[1] = theta[1] + theta[2];
-    angle[2] = theta[1];
+    angle[0] = theta[1] + theta[2];
+    angle[1] = theta[1];
+    angle[2] = theta[0];
 }
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 15 multiply) */
@@ -80,25 +80,25 @@ static inline void krhpr_subleg_rrr_forward(
     const krhpr_subleg_rrr_geometry *g, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double v_1_0 = g->l_3 * cosine[1]; /* link i3 in (x, e_1) */
-    const double v_1_1 = g->l_3 * sine[1];
-    const double d_0 = v_1_0 + g->l_2 * cosine[2]; /* s - c in (x, e_1) */
-    const double d_1 = v_1_1 + g->l_2 * sine[2];
-    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    const double v_1_0 = g->l_3 * cosine[0]; /* last link */
+    const double v_1_1 = g->l_3 * sine[0];
+    const double d_0 = v_1_0 + g->l_2 * cosine[1];
+    const double d_1 = v_1_1 + g->l_2 * sine[1];
+    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
+    const double x_2 = g->e_x[2] * cosine[2];
+    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
 static inline void krhpr_subleg_rrr_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
-    angle[0] = theta[0];
-    angle[1] = theta[1] + theta[2];
-    angle[2] = theta[1];
+    angle[0] = theta[1] + theta[2];
+    angle[1] = theta[1];
+    angle[2] = theta[0];
 }
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (12 add, 20 multiply) */
@@ -107,22 +107,22 @@ static inline void krhpr_subleg_rrr_forward_posture(
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT v_1)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double v_1_0 = g->l_3 * cosine[1]; /* link i3 in (x, e_1) */
-    const double v_1_1 = g->l_3 * sine[1];
-    const double d_0 = v_1_0 + g->l_2 * cosine[2]; /* s - c in (x, e_1) */
-    const double d_1 = v_1_1 + g->l_2 * sine[2];
-    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    const double v_1_0 = g->l_3 * cosine[0]; /* last link */
+    const double v_1_1 = g->l_3 * sine[0];
+    const double d_0 = v_1_0 + g->l_2 * cosine[1];
+    const double d_1 = v_1_1 + g->l_2 * sine[1];
+    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
+    const double x_2 = g->e_x[2] * cosine[2];
+    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
-    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
-    e_2[2] = g->e_x[2] * sine[0];
+    e_2[0] = g->e_t[0] * cosine[2] + g->e_x[0] * sine[2];
+    e_2[1] = g->e_t[1] * cosine[2] + g->e_x[1] * sine[2];
+    e_2[2] = g->e_x[2] * sine[2];
     d[0] = d_0;
     d[1] = d_1;
     v_1[0] = v_1_0;
@@ -206,15 +206,20 @@ static inline void krhpr_subleg_rrr_inverse_all(
     tail_x[7] = n_c;
 }
 
-/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 3 multiply, 1 square
- * root, 1 select) */
+/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13 multiply, 2
+ * square root, 1 select) */
 static inline void krhpr_subleg_rrr_reach(
-    const krhpr_subleg_rrr_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_rrr_geometry *g, const double s[3], const double mode[2],
+    double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->c[0];
+    const double d_0 = s[0] - g->c[0]; /* s - c */
     const double d_1 = s[1] - g->c[1];
     const double d_2 = s[2] - g->c[2];
-    const double distance = sqrt(d_0 * d_0 + d_1 * d_1 + d_2 * d_2);
+    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
+    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
+    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
+    const double distance = sqrt(r * r + y * y);
     *excess = krhpr_max(distance - g->l_2 - g->l_3, g->k[4] - distance);
 }
 
@@ -293,12 +298,12 @@ static inline void krhpr_subleg_rrr_velocity(
     const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double d[2],
     const double v_1[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
-    const double t1 = d[1] * theta_dot[1] + v_1[1] * theta_dot[2];
-    const double w_1 = d[0] * theta_dot[1] + v_1[0] * theta_dot[2]; /* B theta_dot */
-    const double t2 = d[0] * theta_dot[0];
-    s_dot[0] = g->e_1[0] * w_1 - e_2[0] * t2 - x[0] * t1;
-    s_dot[1] = g->e_1[1] * w_1 - e_2[1] * t2 - x[1] * t1;
-    s_dot[2] = g->e_1[2] * w_1 - e_2[2] * t2 - x[2] * t1;
+    const double t1 = d[0] * theta_dot[0];
+    const double t2 = d[1] * theta_dot[1] + v_1[1] * theta_dot[2];
+    const double w_2 = d[0] * theta_dot[1] + v_1[0] * theta_dot[2]; /* B theta_dot */
+    s_dot[0] = g->e_1[0] * w_2 - e_2[0] * t1 - x[0] * t2;
+    s_dot[1] = g->e_1[1] * w_2 - e_2[1] * t1 - x[1] * t2;
+    s_dot[2] = g->e_1[2] * w_2 - e_2[2] * t1 - x[2] * t2;
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -325,7 +330,7 @@ static inline void krhpr_subleg_rrr_bias(
     const double arm_2 = s[2] - g->c[2];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
     const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double v_1_0 = d_0 - g->l_2 * cosine[1]; /* s - c - u_1 */
+    const double v_1_0 = d_0 - g->l_2 * cosine[1]; /* last link */
     const double v_1_1 = d_1 - g->l_2 * sine[1];
     const double t1 = theta_dot[1] * d_0 + theta_dot[2] * v_1_0;
     const double t2 = theta_dot[1] * d_1 + theta_dot[2] * v_1_1;
@@ -359,7 +364,7 @@ static inline void krhpr_subleg_rrr_rates(
     const double v_1[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
-    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* u_1 x v_1 = l_2 l_3 sin(theta_3) */
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
@@ -387,7 +392,7 @@ static inline void krhpr_subleg_rrr_passive(
     const krhpr_subleg_rrr_geometry *g, const double x[3], const double e_2[3], const double v_1[2],
     double *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v_1[0] * g->k[7]; /* direction of the link in (x, e_1) */
+    const double dir_0 = v_1[0] * g->k[7]; /* direction of the last link in (x, e_1) */
     const double dir_1 = v_1[1] * g->k[7];
     const double along_0 = x[0] * dir_0 + g->e_1[0] * dir_1;
     const double along_1 = x[1] * dir_0 + g->e_1[1] * dir_1;

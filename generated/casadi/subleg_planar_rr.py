@@ -23,6 +23,8 @@ def prepare(fields: Any) -> SimpleNamespace:
     azimuth = fields["azimuth"]
     l_1 = fields["l_1"]
     l_2 = fields["l_2"]
+    e_r_0 = ca.cos(azimuth)
+    e_r_1 = ca.sin(azimuth)
     t1 = l_1 - l_2
     t2 = l_1 + l_2
     return SimpleNamespace(
@@ -30,7 +32,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         R_b=fields["R_b"],
         l_1=fields["l_1"],
         l_2=fields["l_2"],
-        o=(R_b * ca.cos(azimuth), R_b * ca.sin(azimuth),),
+        o=(R_b * e_r_0, R_b * e_r_1,),
         k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, ca.fabs(t1), 1 / (l_1 * l_2), 1 / l_2,),
     )
 
@@ -40,10 +42,10 @@ def forward(g: Any, theta: Any) -> tuple[Any, ...]:
     cosine)"""
     theta_0, theta_1 = theta
     t1 = theta_0 + theta_1
-    u_2_0 = g.l_2 * ca.cos(t1)  # second link
-    u_2_1 = g.l_2 * ca.sin(t1)
-    d_0 = u_2_0 + g.l_1 * ca.cos(theta_0)  # r - o
-    d_1 = u_2_1 + g.l_1 * ca.sin(theta_0)
+    v_1_0 = g.l_2 * ca.cos(t1)  # last link
+    v_1_1 = g.l_2 * ca.sin(t1)
+    d_0 = v_1_0 + g.l_1 * ca.cos(theta_0)
+    d_1 = v_1_1 + g.l_1 * ca.sin(theta_0)
     return (
         g.o[0] + d_0,
         g.o[1] + d_1,
@@ -55,10 +57,10 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
     multiply, 2 sine cosine)"""
     theta_0, theta_1 = theta
     t1 = theta_0 + theta_1
-    u_2_0 = g.l_2 * ca.cos(t1)  # second link
-    u_2_1 = g.l_2 * ca.sin(t1)
-    d_0 = u_2_0 + g.l_1 * ca.cos(theta_0)  # r - o
-    d_1 = u_2_1 + g.l_1 * ca.sin(theta_0)
+    v_1_0 = g.l_2 * ca.cos(t1)  # last link
+    v_1_1 = g.l_2 * ca.sin(t1)
+    d_0 = v_1_0 + g.l_1 * ca.cos(theta_0)
+    d_1 = v_1_1 + g.l_1 * ca.sin(theta_0)
     return (
         (  # s
             g.o[0] + d_0,
@@ -68,9 +70,9 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
             d_0,
             d_1,
         ),
-        (  # u_2
-            u_2_0,
-            u_2_1,
+        (  # v_1
+            v_1_0,
+            v_1_1,
         ),
     )
 
@@ -138,7 +140,7 @@ def reach(g: Any, s: Any) -> tuple[Any, ...]:
     """Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1
     square root, 1 select)"""
     s_0, s_1 = s
-    d_0 = s_0 - g.o[0]
+    d_0 = s_0 - g.o[0]  # r - o
     d_1 = s_1 - g.o[1]
     distance = ca.sqrt(d_0 * d_0 + d_1 * d_1)
     return (
@@ -158,46 +160,46 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
             d_0,
             d_1,
         ),
-        (  # u_2
+        (  # v_1
             d_0 - g.l_1 * ca.cos(theta_0),
             d_1 - g.l_1 * ca.sin(theta_0),
         ),
     )
 
 
-def jacobian(g: Any, d: Any, u_2: Any) -> tuple[Any, ...]:
+def jacobian(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
     """Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations)"""
     d_0, d_1 = d
-    u_2_0, u_2_1 = u_2
+    v_1_0, v_1_1 = v_1
     m_00 = -d_1
-    m_01 = -u_2_1
+    m_01 = -v_1_1
     return (
         m_00,
         m_01,
         d_0,
-        u_2_0,
+        v_1_0,
     )
 
 
-def project(g: Any, d: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
+def project(g: Any, d: Any, v_1: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's
     lines.  Thesis: (1.8), (1.28).  (2 add, 4 multiply)"""
     d_0, d_1 = d
-    u_2_0, u_2_1 = u_2
+    v_1_0, v_1_1 = v_1
     N_00, N_01 = N
     return (
         d_0 * N_01 - d_1 * N_00,
-        u_2_0 * N_01 - u_2_1 * N_00,
+        v_1_0 * N_01 - v_1_1 * N_00,
     )
 
 
-def velocity(g: Any, d: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
+def velocity(g: Any, d: Any, v_1: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply)"""
     d_0, d_1 = d
-    u_2_0, u_2_1 = u_2
+    v_1_0, v_1_1 = v_1
     theta_dot_0, theta_dot_1 = theta_dot
-    w_0 = -(d_1 * theta_dot_0 + u_2_1 * theta_dot_1)
-    w_1 = d_0 * theta_dot_0 + u_2_0 * theta_dot_1
+    w_0 = -(d_1 * theta_dot_0 + v_1_1 * theta_dot_1)
+    w_1 = d_0 * theta_dot_0 + v_1_0 * theta_dot_1
     return (
         w_0,
         w_1,
@@ -215,10 +217,10 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     d_1 = s_1 - g.o[1]
     t1 = ca.cos(theta_0)
     t2 = ca.sin(theta_0)
-    u_2_0 = d_0 - g.l_1 * t1  # second link
-    u_2_1 = d_1 - g.l_1 * t2
-    t3 = theta_dot_0 * d_1 + theta_dot_1 * u_2_1
-    s_dot_1 = theta_dot_0 * d_0 + theta_dot_1 * u_2_0
+    v_1_0 = d_0 - g.l_1 * t1  # last link
+    v_1_1 = d_1 - g.l_1 * t2
+    t3 = theta_dot_0 * d_1 + theta_dot_1 * v_1_1
+    s_dot_1 = theta_dot_0 * d_0 + theta_dot_1 * v_1_0
     bias_0 = -(theta_dot_0 * s_dot_1 + theta_dot_1 * (s_dot_1 - g.l_1 * (theta_dot_0 * t1)))
     return (
         (  # s_dot
@@ -232,59 +234,60 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     )
 
 
-def rates(g: Any, d: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
+def rates(g: Any, d: Any, v_1: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.
     Linear, so it serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
-    u_2_0, u_2_1 = u_2
+    v_1_0, v_1_1 = v_1
     s_dot_0, s_dot_1 = s_dot
-    det = d_0 * u_2_1 - d_1 * u_2_0  # l_1 l_2 sin(theta_2)
-    t1 = 1 / det
+    elbow = d_0 * v_1_1 - d_1 * v_1_0  # a b sin(t_2)
+    t1 = 1 / elbow
     return (
         (  # theta_dot
-            (u_2_0 * s_dot_0 + u_2_1 * s_dot_1) * t1,
+            (v_1_0 * s_dot_0 + v_1_1 * s_dot_1) * t1,
             -t1 * (d_0 * s_dot_0 + d_1 * s_dot_1),
         ),
         (  # regularity
-            ca.fabs(det * g.k[5]),
+            ca.fabs(elbow * g.k[5]),
         ),
     )
 
 
-def determinant(g: Any, d: Any, u_2: Any) -> tuple[Any, ...]:
+def determinant(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
     """det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3
     multiply)"""
     d_0, d_1 = d
-    u_2_0, u_2_1 = u_2
-    det = d_0 * u_2_1 - d_1 * u_2_0
+    v_1_0, v_1_1 = v_1
+    elbow = d_0 * v_1_1 - d_1 * v_1_0
     return (
         (  # det_M
-            det,
+            elbow,
         ),
         (  # factors
-            det * g.k[5],
+            elbow * g.k[5],
         ),
     )
 
 
-def passive(g: Any, u_2: Any) -> tuple[Any, ...]:
+def passive(g: Any, v_1: Any) -> tuple[Any, ...]:
     """Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply)"""
-    u_2_0, u_2_1 = u_2
+    v_1_0, v_1_1 = v_1
     return (
-        u_2_0 * g.k[6],
-        u_2_1 * g.k[6],
+        v_1_0 * g.k[6],
+        v_1_1 * g.k[6],
     )
 
 
-def points(g: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the RR sub-leg, from the base to S_i.  (2 add)"""
-    u_2_0, u_2_1 = u_2
+def points(g: Any, d: Any, v_1: Any, s: Any) -> tuple[Any, ...]:
+    """Joints of the RR sub-leg, from the base to S_i.  (4 add)"""
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
     s_0, s_1 = s
     return (
         g.o[0],
         g.o[1],
-        s_0 - u_2_0,
-        s_1 - u_2_1,
+        g.o[0] + d_0 - v_1_0,
+        g.o[1] + d_1 - v_1_1,
         s_0,
         s_1,
     )

@@ -29,14 +29,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     l_4 = fields["l_4"]
     l_5 = fields["l_5"]
     l_6 = fields["l_6"]
-    e_r_0 = ca.cos(azimuth)
     e_r_1 = ca.sin(azimuth)
+    e_t_1 = ca.cos(azimuth)
     t1 = ca.cos(alpha)
     e_1_2 = ca.sin(alpha)
-    t2 = e_r_0 * t1
+    t2 = e_t_1 * t1
     t3 = e_r_1 * t1
     t4 = l_1 * t2
-    c_0 = R_b * e_r_0 - t4
+    c_0 = R_b * e_t_1 - t4
     t5 = l_1 * t3
     c_1 = R_b * e_r_1 - t5
     k_7 = 1 - l_5 / l_6
@@ -57,26 +57,21 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_5=fields["l_5"],
         l_6=fields["l_6"],
         c=(c_0, c_1, l_1 * e_1_2,),
-        e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
+        e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
-        e_t=(-e_r_1, e_r_0, 0,),
+        e_t=(-e_r_1, e_t_1, 0,),
         k=(l_3 * l_3, t6 * t6, 1 / k_7, t7 * t7, t8 * t8, l_4 * l_4, l_6 * l_6, k_7, t9 * t9, t10 * t10, l_2 * l_2, ca.fabs(t9), ca.fabs(t7), 1 - k_7, 1 / (l_3 * l_6), 1 / t8, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_18, 1 - l_5 * k_18, t4 + c_0, t5 + c_1, 0,),
     )
 
 
 def forward(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
-    """End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 28
+    """End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 28
     multiply, 1 divide, 1 square root, 3 sine cosine)"""
     theta_0, theta_1, theta_2 = theta
     assembly_0, = assembly
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    u_1_0 = g.l_4 * ca.cos(theta_1)  # E - c in (x, e_1)
+    u_1_0 = g.l_4 * ca.cos(theta_1)  # crank u_1
     u_1_1 = g.l_4 * ca.sin(theta_1)
-    u_2_0 = g.l_2 * ca.cos(theta_2)  # C - c in (x, e_1)
+    u_2_0 = g.l_2 * ca.cos(theta_2)  # crank u_2
     u_2_1 = g.l_2 * ca.sin(theta_2)
     f_0 = u_1_0 - u_2_0  # from C to E
     f_1 = u_1_1 - u_2_1
@@ -85,16 +80,22 @@ def forward(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     along = 0.5 * (d2 + g.k[0] - g.k[1]) * t1
     h2 = g.k[0] * t1 - along * along
     across = assembly_0 * ca.sqrt(h2)
-    t2 = along - 1
-    w_0 = f_0 * t2 - f_1 * across  # P - E
-    w_1 = f_0 * across + f_1 * t2
-    d_0 = u_1_0 + w_0 * g.k[2]  # s - c in (x, e_1)
+    meeting_0 = f_0 * along - f_1 * across
+    meeting_1 = f_0 * across + f_1 * along
+    w_0 = meeting_0 - f_0  # P - E
+    w_1 = meeting_1 - f_1
+    d_0 = u_1_0 + w_0 * g.k[2]
     d_1 = u_1_1 + w_1 * g.k[2]
+    cos_1 = ca.cos(theta_0)
+    sin_1 = ca.sin(theta_0)
+    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
+    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
+    x_2 = g.e_x[2] * cos_1
     return (
         (  # s
-            g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
-            g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
-            g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+            g.c[0] + d_0 * x_0 + g.e_1[0] * d_1,
+            g.c[1] + d_0 * x_1 + g.e_1[1] * d_1,
+            g.c[2] + d_0 * x_2 + g.e_1[2] * d_1,
         ),
         (  # radicand
             h2,
@@ -103,18 +104,13 @@ def forward(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
-    """End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add,
+    """End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add,
     33 multiply, 1 divide, 1 square root, 3 sine cosine)"""
     theta_0, theta_1, theta_2 = theta
     assembly_0, = assembly
-    cos_1 = ca.cos(theta_0)
-    sin_1 = ca.sin(theta_0)
-    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
-    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
-    x_2 = g.e_x[2] * cos_1
-    u_1_0 = g.l_4 * ca.cos(theta_1)  # E - c in (x, e_1)
+    u_1_0 = g.l_4 * ca.cos(theta_1)  # crank u_1
     u_1_1 = g.l_4 * ca.sin(theta_1)
-    u_2_0 = g.l_2 * ca.cos(theta_2)  # C - c in (x, e_1)
+    u_2_0 = g.l_2 * ca.cos(theta_2)  # crank u_2
     u_2_1 = g.l_2 * ca.sin(theta_2)
     f_0 = u_1_0 - u_2_0  # from C to E
     f_1 = u_1_1 - u_2_1
@@ -123,16 +119,22 @@ def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     along = 0.5 * (d2 + g.k[0] - g.k[1]) * t1
     h2 = g.k[0] * t1 - along * along
     across = assembly_0 * ca.sqrt(h2)
-    t2 = along - 1
-    w_0 = f_0 * t2 - f_1 * across  # P - E
-    w_1 = f_0 * across + f_1 * t2
-    d_0 = u_1_0 + w_0 * g.k[2]  # s - c in (x, e_1)
+    meeting_0 = f_0 * along - f_1 * across
+    meeting_1 = f_0 * across + f_1 * along
+    w_0 = meeting_0 - f_0  # P - E
+    w_1 = meeting_1 - f_1
+    d_0 = u_1_0 + w_0 * g.k[2]
     d_1 = u_1_1 + w_1 * g.k[2]
+    cos_1 = ca.cos(theta_0)
+    sin_1 = ca.sin(theta_0)
+    x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
+    x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
+    x_2 = g.e_x[2] * cos_1
     return (
         (  # s
-            g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
-            g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
-            g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+            g.c[0] + d_0 * x_0 + g.e_1[0] * d_1,
+            g.c[1] + d_0 * x_1 + g.e_1[1] * d_1,
+            g.c[2] + d_0 * x_2 + g.e_1[2] * d_1,
         ),
         (  # x
             x_0,
@@ -184,7 +186,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # r_i = u_1 + w
+    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # u_1 + w - o_12
     p_1 = u_1_1 + g.k[7] * (y - u_1_1)
     d2_2 = p_0 * p_0 + p_1 * p_1
     h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
@@ -232,7 +234,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     t5 = 1 / d2
     u_1_0 = n * 0.5 * t5
     u_1_1 = t5 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # r_i = u_1 + w
+    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # u_1 + w - o_12
     p_1 = u_1_1 + g.k[7] * (y - u_1_1)
     t6 = p_1 * p_1
     d2_2 = p_0 * p_0 + t6
@@ -252,7 +254,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     theta_1_a = ca.atan2(m_a, n_a)
     u_1_0_a = t5 * (0.5 * n_a)
     u_1_1_a = t5 * (0.5 * m_a)
-    p_0_a = u_1_0_a + g.k[7] * (r - u_1_0_a)  # r_i = u_1 + w
+    p_0_a = u_1_0_a + g.k[7] * (r - u_1_0_a)  # u_1 + w - o_12
     p_1_a = u_1_1_a + g.k[7] * (y - u_1_1_a)
     t11 = p_1_a * p_1_a
     d2_2_a = p_0_a * p_0_a + t11
@@ -271,7 +273,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     n_b = t2 - t1
     theta_1_b = ca.atan2(m_a, n_b)
     u_1_0_b = t5 * (0.5 * n_b)
-    p_0_b = u_1_0_b - g.k[7] * (r + u_1_0_b)  # r_i = u_1 + w
+    p_0_b = u_1_0_b - g.k[7] * (r + u_1_0_b)  # u_1 + w - o_12
     d2_2_b = t11 + p_0_b * p_0_b
     h2_2_b = (d2_2_b - g.k[8]) * (g.k[9] - d2_2_b)  # 4 a^2 b^2 sin^2
     S_2_b = ca.sqrt(h2_2_b)  # 2 a b sin
@@ -286,7 +288,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     m_2_e = t18 + t19
     n_c = -n
     theta_1_c = ca.atan2(m, n_c)
-    p_0_c = g.k[7] * (u_1_0 - r) - u_1_0  # r_i = u_1 + w
+    p_0_c = g.k[7] * (u_1_0 - r) - u_1_0  # u_1 + w - o_12
     d2_2_c = t6 + p_0_c * p_0_c
     h2_2_c = (d2_2_c - g.k[8]) * (g.k[9] - d2_2_c)  # 4 a^2 b^2 sin^2
     S_2_c = ca.sqrt(h2_2_c)  # 2 a b sin
@@ -354,7 +356,7 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # r_i = u_1 + w
+    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # u_1 + w - o_12
     p_1 = u_1_1 + g.k[7] * (y - u_1_1)
     reach_2 = ca.sqrt(p_0 * p_0 + p_1 * p_1)
     reach_1 = ca.sqrt(d2)
@@ -554,11 +556,11 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     d_1 = g.e_1[0] * arm_0 + g.e_1[1] * arm_1 + g.e_1[2] * arm_2
     t1 = ca.cos(theta_1)
     t2 = ca.sin(theta_1)
-    u_1_0 = g.l_4 * t1
+    u_1_0 = g.l_4 * t1  # crank u_1
     u_1_1 = g.l_4 * t2
     t3 = ca.cos(theta_2)
     t4 = ca.sin(theta_2)
-    u_2_0 = g.l_2 * t3
+    u_2_0 = g.l_2 * t3  # crank u_2
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
@@ -702,7 +704,7 @@ def passive(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, 
     v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 * g.k[19] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 * g.k[19] - u_2_1
-    dir_0 = v_1_0 * g.k[18]  # direction of the link in (x, e_1)
+    dir_0 = v_1_0 * g.k[18]  # direction of the last link in (x, e_1)
     dir_1 = v_1_1 * g.k[18]
     along_0 = x_0 * dir_0 + g.e_1[0] * dir_1
     along_1 = x_1 * dir_0 + g.e_1[1] * dir_1

@@ -1,4 +1,4 @@
-"""3-RRRR (planar_rr_a): planar RR legs, redundant links.
+"""3-RRRR (planar_rr_a): RR sub-legs, arrangement (a).
 
 Planar serial sub-leg with two actuated revolute joints.  Redundant links with revolute joints at
 both ends.
@@ -52,7 +52,7 @@ __all__ = [
 
 IDENTIFIER = "planar_rr_a"
 NOTATION = "3-RRRR"
-TITLE = "planar RR legs, redundant links"
+TITLE = "RR sub-legs, arrangement (a)"
 MODES = {
     "elbow+": (1,),
     "elbow-": (-1,),
@@ -71,8 +71,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
         ("R_b", "circumradius of the base"),
-        ("l_1", "first link"),
-        ("l_2", "second link"),
+        ("l_1", "link to the elbow"),
+        ("l_2", "link from the elbow to the end point"),
         ("platform_azimuth", "azimuth of the leg on the platform"),
         ("R_p", "circumradius of the platform"),
         ("l_r", "redundant link (l_i7 in Chapter 1, l_i4 later)"),
@@ -87,7 +87,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("l_r", "m"),
     ),
     "working mode": (
-        ("elbow", "elbow+ (+1) or elbow- (-1): sign of sin(theta_2)"),
+        ("elbow", "elbow+ (+1) or elbow- (-1): sign of the sine of the elbow's angle"),
     ),
     "assembly mode": (
     ),
@@ -103,7 +103,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("beta", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'"),
     ),
     "singular factors": (
-        ("elbow", "links aligned, sin(theta_2) = 0"),
+        ("elbow", "links aligned, the sine of the elbow's angle is zero"),
     ),
     "type II": (
         ("margins", "-det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30, 150) deg"),
@@ -415,7 +415,7 @@ SIGNATURES = {
         ),
         (
             rt.Port("type_1", (3,), "mixed", "-", "det M_i", "stacked", ()),
-            rt.Port("factors", (3, 1), "1", "-", "factors of det M_i (elbow: links aligned, sin(theta_2) = 0)", "stacked", ("elbow", )),
+            rt.Port("factors", (3, 1), "1", "-", "factors of det M_i (elbow: links aligned, the sine of the elbow's angle is zero)", "stacked", ("elbow", )),
             rt.Port("type_2", (1,), "mixed", "platform", "factors of det J", "shared", ("det J_a", )),
             rt.Port("margins", (1,), "mixed", "-", "-det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30, 150) deg", "shared", ("det J_a", )),
         ),
@@ -604,8 +604,8 @@ def subleg_jacobian(
     arguments = rt.Arguments(SIGNATURES["subleg_jacobian"], (s, theta,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        M = subleg.jacobian(g.subleg, d, u_2)
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        M = subleg.jacobian(g.subleg, d, v_1)
         results = arguments.finish(
             {
                 "M": M,
@@ -672,8 +672,8 @@ def jacobians(
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         J, N = platform.rows(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        K = subleg.project(g.subleg, d, u_2, N)
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K = subleg.project(g.subleg, d, v_1, N)
         results = arguments.finish(
             {
                 "J": J,
@@ -709,8 +709,8 @@ def jacobian_blocks(
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         J, N = platform.rows(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        K = subleg.project(g.subleg, d, u_2, N)
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K = subleg.project(g.subleg, d, v_1, N)
         results = arguments.finish(
             {
                 "J": J,
@@ -889,8 +889,8 @@ def twist(
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        s_dot = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_dot"))
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        s_dot = subleg.velocity(g.subleg, d, v_1, arguments.leg("theta_dot"))
         rate = algebra.rate(N, s_dot)
         twist, det_regularity = platform.solve(Q, rt.legs(line), rt.legs(point), rt.legs(rate))
         results = arguments.finish(
@@ -932,8 +932,8 @@ def joint_rates(
         s_dot = platform.end_velocity(
             g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"),
             arguments.leg("redundant_rates"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        theta_dot, regularity = subleg.rates(g.subleg, d, u_2, s_dot)
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        theta_dot, regularity = subleg.rates(g.subleg, d, v_1, s_dot)
         results = arguments.finish(
             {
                 "theta_dot": theta_dot,
@@ -976,8 +976,8 @@ def platform_acceleration(
         line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         s_dot, bias = subleg.bias(
             g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        along = subleg.velocity(g.subleg, d, u_2, arguments.leg("theta_ddot"))
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        along = subleg.velocity(g.subleg, d, v_1, arguments.leg("theta_ddot"))
         s_ddot = algebra.sum(along, bias)
         row_bias = platform.row_bias(
             g.platform, arguments.leg("p"), Q, arguments.leg("s"), arguments.leg("twist"), s_dot)
@@ -1032,8 +1032,8 @@ def joint_accelerations(
         _s_dot_again, bias = subleg.bias(
             g.subleg, arguments.leg("s"), arguments.leg("theta"), arguments.leg("theta_dot"))
         along = algebra.difference(s_ddot, bias)
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        theta_ddot, regularity = subleg.rates(g.subleg, d, u_2, along)
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        theta_ddot, regularity = subleg.rates(g.subleg, d, v_1, along)
         results = arguments.finish(
             {
                 "theta_ddot": theta_ddot,
@@ -1069,8 +1069,8 @@ def passive_joints(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        _d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        link = subleg.passive(g.subleg, u_2)
+        _d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        link = subleg.passive(g.subleg, v_1)
         redundant_link, platform_joint = platform.joint(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         wrist = algebra.wrist(link, redundant_link)
         results = arguments.finish(
@@ -1105,8 +1105,8 @@ def link_points(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        _d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        points = subleg.points(g.subleg, u_2, arguments.leg("s"))
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, d, v_1, arguments.leg("s"))
         attachment = platform.attachment(g.platform, arguments.leg("p"), Q)
         results = arguments.finish(
             {
@@ -1137,7 +1137,8 @@ def singularity(
 
     Returns:
         type_1 (..., 3) [mixed]: det M_i
-        factors (..., 3, 1): factors of det M_i (elbow: links aligned, sin(theta_2) = 0) [elbow]
+        factors (..., 3, 1): factors of det M_i (elbow: links aligned, the sine of the elbow's
+            angle is zero) [elbow]
         type_2 (..., 1) [mixed] in the platform frame: factors of det J [det J_a]
         margins (..., 1) [mixed]: -det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for
             beta in (30, 150) deg [det J_a]
@@ -1146,8 +1147,8 @@ def singularity(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
-        d, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        type_1, factors = subleg.determinant(g.subleg, d, u_2)
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        type_1, factors = subleg.determinant(g.subleg, d, v_1)
         line, point, _N, scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
         results = arguments.finish(

@@ -115,7 +115,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rod", "rod+ (+1) or rod- (-1): sign of u_2 x v_2 about e_2"),
     ),
     "assembly mode": (
-        ("assembly", "left (+1) or right (-1): P lies left or right of the directed line C -> E in the plane (x, e_1)"),
+        ("assembly", "left (+1) or right (-1): P lies left or right of the directed line C -> E in the plane"),
     ),
     "actuators": (
         ("theta_1", "about e_1; zero where e_2 is tangential"),

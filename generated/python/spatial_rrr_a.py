@@ -1,4 +1,4 @@
-"""3-RRRSR (spatial_rrr_a): RRR legs, redundant links to revolute joints.
+"""3-RRRSR (spatial_rrr_a): RRR sub-legs, arrangement (a).
 
 Serial sub-leg: the first axis leans outwards by alpha, the next two are parallel to each other and
 normal to it.  Redundant links from the spherical joints to revolute joints whose axes are normal to
@@ -54,7 +54,7 @@ __all__ = [
 
 IDENTIFIER = "spatial_rrr_a"
 NOTATION = "3-RRRSR"
-TITLE = "RRR legs, redundant links to revolute joints"
+TITLE = "RRR sub-legs, arrangement (a)"
 MODES = {
     "front/elbow+": (1, 1,),
     "front/elbow-": (1, -1,),
@@ -78,8 +78,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("R_b", "circumradius of the base"),
         ("alpha", "first axis, from the ray base joint -> O; more than pi/2 leans outwards"),
         ("l_1", "link i1, along the first axis"),
-        ("l_2", "link i2"),
-        ("l_3", "link i3"),
+        ("l_2", "link to the elbow"),
+        ("l_3", "link from the elbow to the end point"),
         ("platform_azimuth", "azimuth of the leg on the platform"),
         ("R_p", "circumradius of the platform"),
         ("l_r", "redundant link (l_i7 in Chapter 1, l_i4 later)"),
@@ -97,7 +97,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "working mode": (
         ("shoulder", "front (+1) or back (-1): side of the first axis on which the linkage plane's x points to S_i"),
-        ("elbow", "elbow+ (+1) or elbow- (-1): sign of sin(theta_3)"),
+        ("elbow", "elbow+ (+1) or elbow- (-1): sign of the sine of the elbow's angle"),
     ),
     "assembly mode": (
     ),
@@ -115,7 +115,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "singular factors": (
         ("shoulder", "S_i on the first axis"),
-        ("elbow", "links i2 and i3 aligned, sin(theta_3) = 0"),
+        ("elbow", "links aligned, the sine of the elbow's angle is zero"),
     ),
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
@@ -124,7 +124,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "sections": (
         ("sub-leg", "2.3"),
         ("platform", "1.3, 2.3"),
-        ("robot", "2.3"),
+        ("robot", "2.3, 1.3, 2.3"),
     ),
 }
 DEFAULT_GEOMETRY = Geometry(
@@ -441,7 +441,7 @@ SIGNATURES = {
         ),
         (
             rt.Port("type_1", (3,), "mixed", "-", "det M_i", "stacked", ()),
-            rt.Port("factors", (3, 2), "1", "-", "factors of det M_i (shoulder: S_i on the first axis; elbow: links i2 and i3 aligned, sin(theta_3) = 0)", "stacked", ("shoulder", "elbow", )),
+            rt.Port("factors", (3, 2), "1", "-", "factors of det M_i (shoulder: S_i on the first axis; elbow: links aligned, the sine of the elbow's angle is zero)", "stacked", ("shoulder", "elbow", )),
             rt.Port("type_2", (2,), "mixed", "platform", "factors of det J", "shared", ("det J_a", "det J_n", )),
             rt.Port("margins", (2,), "mixed", "-", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg", "shared", ("det J_a", "det J_n", )),
         ),
@@ -898,7 +898,7 @@ def inverse_status(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s)
+        excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
         results = arguments.finish(
             {
                 "excess": excess,
@@ -1191,7 +1191,7 @@ def singularity(
     Returns:
         type_1 (..., 3) [mixed]: det M_i
         factors (..., 3, 2): factors of det M_i (shoulder: S_i on the first axis; elbow: links
-            i2 and i3 aligned, sin(theta_3) = 0) [shoulder, elbow]
+            aligned, the sine of the elbow's angle is zero) [shoulder, elbow]
         type_2 (..., 2) [mixed] in the platform frame: factors of det J [det J_a, det J_n]
         margins (..., 2) [mixed]: -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of
             R_p: positive for beta in (30, 150) deg [det J_a, det J_n]

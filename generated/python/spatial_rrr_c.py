@@ -1,4 +1,4 @@
-"""3-RRRSP (spatial_rrr_c): RRR legs, radial slides.
+"""3-RRRSP (spatial_rrr_c): RRR sub-legs, arrangement (c).
 
 Serial sub-leg: the first axis leans outwards by alpha, the next two are parallel to each other and
 normal to it.  Spherical joints that slide along radial lines through the platform's centre.
@@ -53,7 +53,7 @@ __all__ = [
 
 IDENTIFIER = "spatial_rrr_c"
 NOTATION = "3-RRRSP"
-TITLE = "RRR legs, radial slides"
+TITLE = "RRR sub-legs, arrangement (c)"
 MODES = {
     "front/elbow+": (1, 1,),
     "front/elbow-": (1, -1,),
@@ -77,8 +77,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("R_b", "circumradius of the base"),
         ("alpha", "first axis, from the ray base joint -> O; more than pi/2 leans outwards"),
         ("l_1", "link i1, along the first axis"),
-        ("l_2", "link i2"),
-        ("l_3", "link i3"),
+        ("l_2", "link to the elbow"),
+        ("l_3", "link from the elbow to the end point"),
         ("platform_azimuth", "azimuth of the leg's slide on the platform"),
     ),
     "units": (
@@ -92,7 +92,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "working mode": (
         ("shoulder", "front (+1) or back (-1): side of the first axis on which the linkage plane's x points to S_i"),
-        ("elbow", "elbow+ (+1) or elbow- (-1): sign of sin(theta_3)"),
+        ("elbow", "elbow+ (+1) or elbow- (-1): sign of the sine of the elbow's angle"),
     ),
     "assembly mode": (
     ),
@@ -110,7 +110,7 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "singular factors": (
         ("shoulder", "S_i on the first axis"),
-        ("elbow", "links i2 and i3 aligned, sin(theta_3) = 0"),
+        ("elbow", "links aligned, the sine of the elbow's angle is zero"),
     ),
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
@@ -434,7 +434,7 @@ SIGNATURES = {
         ),
         (
             rt.Port("type_1", (3,), "mixed", "-", "det M_i", "stacked", ()),
-            rt.Port("factors", (3, 2), "1", "-", "factors of det M_i (shoulder: S_i on the first axis; elbow: links i2 and i3 aligned, sin(theta_3) = 0)", "stacked", ("shoulder", "elbow", )),
+            rt.Port("factors", (3, 2), "1", "-", "factors of det M_i (shoulder: S_i on the first axis; elbow: links aligned, the sine of the elbow's angle is zero)", "stacked", ("shoulder", "elbow", )),
             rt.Port("type_2", (2,), "mixed", "platform", "factors of det J", "shared", ("det J_a", "det J_n", )),
             rt.Port("margins", (2,), "mixed", "-", "det J_a (m) and det J_n (m^2): positive while all d_i > 0", "shared", ("det J_a", "det J_n", )),
         ),
@@ -885,7 +885,7 @@ def inverse_status(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s)
+        excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
         results = arguments.finish(
             {
                 "excess": excess,
@@ -1177,7 +1177,7 @@ def singularity(
     Returns:
         type_1 (..., 3) [mixed]: det M_i
         factors (..., 3, 2): factors of det M_i (shoulder: S_i on the first axis; elbow: links
-            i2 and i3 aligned, sin(theta_3) = 0) [shoulder, elbow]
+            aligned, the sine of the elbow's angle is zero) [shoulder, elbow]
         type_2 (..., 2) [mixed] in the platform frame: factors of det J [det J_a, det J_n]
         margins (..., 2) [mixed]: det J_a (m) and det J_n (m^2): positive while all d_i > 0 [det
             J_a, det J_n]

@@ -26,14 +26,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     l_1 = fields["l_1"]
     l_2 = fields["l_2"]
     l_3 = fields["l_3"]
-    e_r_0 = np.cos(azimuth)
     e_r_1 = np.sin(azimuth)
+    e_t_1 = np.cos(azimuth)
     t1 = np.cos(alpha)
     e_1_2 = np.sin(alpha)
-    t2 = e_r_0 * t1
+    t2 = e_t_1 * t1
     t3 = e_r_1 * t1
     t4 = l_1 * t2
-    c_0 = R_b * e_r_0 - t4
+    c_0 = R_b * e_t_1 - t4
     t5 = l_1 * t3
     c_1 = R_b * e_r_1 - t5
     t6 = l_2 - l_3
@@ -46,9 +46,9 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_2=fields["l_2"],
         l_3=fields["l_3"],
         c=(c_0, c_1, l_1 * e_1_2,),
-        e_x=(-e_r_0 * e_1_2, -e_r_1 * e_1_2, -(e_r_0 * t2 + e_r_1 * t3),),
+        e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
-        e_t=(-e_r_1, e_r_0, 0,),
+        e_t=(-e_r_1, e_t_1, 0,),
         k=(t6 * t6, t7 * t7, l_2 * l_2, l_3 * l_3, np.abs(t6), 1 / t7, 1 / (l_2 * l_3), 1 / l_3, t4 + c_0, t5 + c_1, 0,),
     )
 
@@ -57,20 +57,20 @@ def forward(g: Any, theta: Any) -> tuple[Any, ...]:
     """End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 15 multiply, 3
     sine cosine)"""
     theta_0, theta_1, theta_2 = theta
+    t1 = theta_1 + theta_2
+    v_1_0 = g.l_3 * np.cos(t1)  # last link
+    v_1_1 = g.l_3 * np.sin(t1)
+    d_0 = v_1_0 + g.l_2 * np.cos(theta_1)
+    d_1 = v_1_1 + g.l_2 * np.sin(theta_1)
     cos_1 = np.cos(theta_0)
     sin_1 = np.sin(theta_0)
     x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
     x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
     x_2 = g.e_x[2] * cos_1
-    t1 = theta_1 + theta_2
-    v_1_0 = g.l_3 * np.cos(t1)  # link i3 in (x, e_1)
-    v_1_1 = g.l_3 * np.sin(t1)
-    d_0 = v_1_0 + g.l_2 * np.cos(theta_1)  # s - c in (x, e_1)
-    d_1 = v_1_1 + g.l_2 * np.sin(theta_1)
     return (
-        g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
-        g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
-        g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+        g.c[0] + d_0 * x_0 + g.e_1[0] * d_1,
+        g.c[1] + d_0 * x_1 + g.e_1[1] * d_1,
+        g.c[2] + d_0 * x_2 + g.e_1[2] * d_1,
     )
 
 
@@ -78,21 +78,21 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
     """End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (13 add, 20
     multiply, 3 sine cosine)"""
     theta_0, theta_1, theta_2 = theta
+    t1 = theta_1 + theta_2
+    v_1_0 = g.l_3 * np.cos(t1)  # last link
+    v_1_1 = g.l_3 * np.sin(t1)
+    d_0 = v_1_0 + g.l_2 * np.cos(theta_1)
+    d_1 = v_1_1 + g.l_2 * np.sin(theta_1)
     cos_1 = np.cos(theta_0)
     sin_1 = np.sin(theta_0)
     x_0 = g.e_x[0] * cos_1 - g.e_t[0] * sin_1  # Rot(e_1, theta_1) e_x
     x_1 = g.e_x[1] * cos_1 - g.e_t[1] * sin_1
     x_2 = g.e_x[2] * cos_1
-    t1 = theta_1 + theta_2
-    v_1_0 = g.l_3 * np.cos(t1)  # link i3 in (x, e_1)
-    v_1_1 = g.l_3 * np.sin(t1)
-    d_0 = v_1_0 + g.l_2 * np.cos(theta_1)  # s - c in (x, e_1)
-    d_1 = v_1_1 + g.l_2 * np.sin(theta_1)
     return (
         (  # s
-            g.c[0] + x_0 * d_0 + g.e_1[0] * d_1,
-            g.c[1] + x_1 * d_0 + g.e_1[1] * d_1,
-            g.c[2] + x_2 * d_0 + g.e_1[2] * d_1,
+            g.c[0] + d_0 * x_0 + g.e_1[0] * d_1,
+            g.c[1] + d_0 * x_1 + g.e_1[1] * d_1,
+            g.c[2] + d_0 * x_2 + g.e_1[2] * d_1,
         ),
         (  # x
             x_0,
@@ -200,14 +200,19 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def reach(g: Any, s: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 3 multiply,
-    1 square root, 1 select)"""
+def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
+    """Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13
+    multiply, 2 square root, 1 select)"""
     s_0, s_1, s_2 = s
-    d_0 = s_0 - g.c[0]
+    mode_0, _mode_1 = mode
+    d_0 = s_0 - g.c[0]  # s - c
     d_1 = s_1 - g.c[1]
     d_2 = s_2 - g.c[2]
-    distance = np.sqrt(d_0 * d_0 + d_1 * d_1 + d_2 * d_2)
+    d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
+    d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
+    y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
+    r = mode_0 * np.sqrt(d_t * d_t + d_x * d_x)
+    distance = np.sqrt(r * r + y * y)
     return (
         np.fmax(distance - g.l_2 - g.l_3, g.k[4] - distance),
     )
@@ -301,13 +306,13 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, theta_dot: Any) -> tupl
     d_0, d_1 = d
     v_1_0, v_1_1 = v_1
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
-    t1 = d_1 * theta_dot_1 + v_1_1 * theta_dot_2
-    w_1 = d_0 * theta_dot_1 + v_1_0 * theta_dot_2  # B theta_dot
-    t2 = d_0 * theta_dot_0
+    t1 = d_0 * theta_dot_0
+    t2 = d_1 * theta_dot_1 + v_1_1 * theta_dot_2
+    w_2 = d_0 * theta_dot_1 + v_1_0 * theta_dot_2  # B theta_dot
     return (
-        g.e_1[0] * w_1 - e_2_0 * t2 - x_0 * t1,
-        g.e_1[1] * w_1 - e_2_1 * t2 - x_1 * t1,
-        g.e_1[2] * w_1 - e_2_2 * t2 - x_2 * t1,
+        g.e_1[0] * w_2 - e_2_0 * t1 - x_0 * t2,
+        g.e_1[1] * w_2 - e_2_1 * t1 - x_1 * t2,
+        g.e_1[2] * w_2 - e_2_2 * t1 - x_2 * t2,
     )
 
 
@@ -333,7 +338,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     d_1 = g.e_1[0] * arm_0 + g.e_1[1] * arm_1 + g.e_1[2] * arm_2
     t1 = np.cos(theta_1)
     t2 = np.sin(theta_1)
-    v_1_0 = d_0 - g.l_2 * t1  # s - c - u_1
+    v_1_0 = d_0 - g.l_2 * t1  # last link
     v_1_1 = d_1 - g.l_2 * t2
     t3 = theta_dot_1 * d_0 + theta_dot_2 * v_1_0
     t4 = theta_dot_1 * d_1 + theta_dot_2 * v_1_1
@@ -375,7 +380,7 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, s_dot: Any) -> tuple[Any, 
     d_0, d_1 = d
     v_1_0, v_1_1 = v_1
     s_dot_0, s_dot_1, s_dot_2 = s_dot
-    elbow = d_0 * v_1_1 - d_1 * v_1_0  # u_1 x v_1 = l_2 l_3 sin(theta_3)
+    elbow = d_0 * v_1_1 - d_1 * v_1_0  # a b sin(t_2)
     v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
@@ -414,7 +419,7 @@ def passive(g: Any, x: Any, e_2: Any, v_1: Any) -> tuple[Any, ...]:
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     v_1_0, v_1_1 = v_1
-    dir_0 = v_1_0 * g.k[7]  # direction of the link in (x, e_1)
+    dir_0 = v_1_0 * g.k[7]  # direction of the last link in (x, e_1)
     dir_1 = v_1_1 * g.k[7]
     along_0 = x_0 * dir_0 + g.e_1[0] * dir_1
     along_1 = x_1 * dir_0 + g.e_1[1] * dir_1

@@ -321,9 +321,9 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const M = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_jacobian_tangent(&geometry.subleg[i], d, u_2, M + 4 * i);
+        krhpr_dual v_1[2];
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_jacobian_tangent(&geometry.subleg[i], d, v_1, M + 4 * i);
     }
 }
 
@@ -408,10 +408,10 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_project_tangent(&geometry.subleg[i], d, u_2, N, K + 2 * i);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_project_tangent(&geometry.subleg[i], d, v_1, N, K + 2 * i);
     }
 }
 
@@ -457,10 +457,10 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_project_tangent(&geometry.subleg[i], d, u_2, N, K + 2 * i);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_project_tangent(&geometry.subleg[i], d, v_1, N, K + 2 * i);
     }
 }
 
@@ -627,12 +627,12 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual scale[2];
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_a_line_tangent(
             &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_velocity_tangent(&geometry.subleg[i], d, u_2, theta_dot + 2 * i, s_dot);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_velocity_tangent(&geometry.subleg[i], d, v_1, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -681,11 +681,11 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s_dot[2];
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_platform_planar_a_end_velocity_tangent(
             &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_rates_tangent(&geometry.subleg[i], d, u_2, s_dot, theta_dot + 2 * i);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_rates_tangent(&geometry.subleg[i], d, v_1, s_dot, theta_dot + 2 * i);
     }
 }
 
@@ -742,7 +742,7 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_dot[2];
         krhpr_dual bias[2];
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_dual along[2];
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
@@ -750,8 +750,8 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
             &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rr_bias_tangent(
             &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_velocity_tangent(&geometry.subleg[i], d, u_2, theta_ddot + 2 * i, along);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_velocity_tangent(&geometry.subleg[i], d, v_1, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias_tangent(
             &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
@@ -813,15 +813,15 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual bias[2];
         krhpr_dual along[2];
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_platform_planar_a_end_acceleration_tangent(
             &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_rr_bias_tangent(
             &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_rates_tangent(&geometry.subleg[i], d, u_2, along, theta_ddot + 2 * i);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_rates_tangent(&geometry.subleg[i], d, v_1, along, theta_ddot + 2 * i);
     }
 }
 
@@ -872,11 +872,11 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_passive_tangent(&geometry.subleg[i], u_2, link);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_passive_tangent(&geometry.subleg[i], v_1, link);
         krhpr_platform_planar_a_joint_tangent(
             &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
@@ -925,9 +925,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_points_tangent(&geometry.subleg[i], u_2, s + 2 * i, points + 6 * i);
+        krhpr_dual v_1[2];
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_points_tangent(&geometry.subleg[i], d, v_1, s + 2 * i, points + 6 * i);
         krhpr_platform_planar_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 2 * i);
     }
 }
@@ -982,10 +982,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual d[2];
-        krhpr_dual u_2[2];
+        krhpr_dual v_1[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_2);
-        krhpr_subleg_planar_rr_determinant_tangent(&geometry.subleg[i], d, u_2, type_1 + i, factors + i);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_determinant_tangent(&geometry.subleg[i], d, v_1, type_1 + i, factors + i);
         krhpr_platform_planar_a_line_tangent(
             &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }

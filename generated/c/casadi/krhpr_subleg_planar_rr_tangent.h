@@ -17,11 +17,11 @@ static inline void krhpr_subleg_planar_rr_forward_tangent(
 {
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double u_2_0 = g->l_2 * h2;
-    const double u_2_1 = g->l_2 * h1;
+    const double v_1_0 = g->l_2 * h2;
+    const double v_1_1 = g->l_2 * h1;
     double h3, h4; krhpr_sincos(theta[0].v, &h3, &h4);
-    const double d_0 = u_2_0 + g->l_1 * h4;
-    const double d_1 = u_2_1 + g->l_1 * h3;
+    const double d_0 = v_1_0 + g->l_1 * h4;
+    const double d_1 = v_1_1 + g->l_1 * h3;
     s[0].v = g->o[0] + d_0;
     s[1].v = g->o[1] + d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
@@ -35,21 +35,21 @@ static inline void krhpr_subleg_planar_rr_forward_tangent(
  * add, 12 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_planar_rr_forward_posture_tangent(
     const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
-    krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_2)
+    krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double u_2_0 = g->l_2 * h2;
-    const double u_2_1 = g->l_2 * h1;
+    const double v_1_0 = g->l_2 * h2;
+    const double v_1_1 = g->l_2 * h1;
     double h3, h4; krhpr_sincos(theta[0].v, &h3, &h4);
-    const double d_0 = u_2_0 + g->l_1 * h4;
-    const double d_1 = u_2_1 + g->l_1 * h3;
+    const double d_0 = v_1_0 + g->l_1 * h4;
+    const double d_1 = v_1_1 + g->l_1 * h3;
     s[0].v = g->o[0] + d_0;
     s[1].v = g->o[1] + d_1;
     d[0].v = d_0;
     d[1].v = d_1;
-    u_2[0].v = u_2_0;
-    u_2[1].v = u_2_1;
+    v_1[0].v = v_1_0;
+    v_1[1].v = v_1_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[0].t[k] + theta[1].t[k];
         const double t3 = g->l_2 * (h1 * t2);
@@ -60,8 +60,8 @@ static inline void krhpr_subleg_planar_rr_forward_posture_tangent(
         s[1].t[k] = t6;
         d[0].t[k] = t5;
         d[1].t[k] = t6;
-        u_2[0].t[k] = -t3;
-        u_2[1].t[k] = t4;
+        v_1[0].t[k] = -t3;
+        v_1[1].t[k] = t4;
     }
 }
 
@@ -159,56 +159,56 @@ static inline void krhpr_subleg_planar_rr_inverse_all_tangent(
  * add, 6 multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_rr_posture_tangent(
     const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
-    krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_2)
+    krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
     const double d_0 = s[0].v - g->o[0];
     const double d_1 = s[1].v - g->o[1];
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
     d[0].v = d_0;
     d[1].v = d_1;
-    u_2[0].v = d_0 - g->l_1 * h2;
-    u_2[1].v = d_1 - g->l_1 * h1;
+    v_1[0].v = d_0 - g->l_1 * h2;
+    v_1[1].v = d_1 - g->l_1 * h1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         d[0].t[k] = s[0].t[k];
         d[1].t[k] = s[1].t[k];
-        u_2[0].t[k] = s[0].t[k] + g->l_1 * (h1 * theta[0].t[k]);
-        u_2[1].t[k] = s[1].t[k] - g->l_1 * (h2 * theta[0].t[k]);
+        v_1[0].t[k] = s[0].t[k] + g->l_1 * (h1 * theta[0].t[k]);
+        v_1[1].t[k] = s[1].t[k] - g->l_1 * (h2 * theta[0].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
 static inline void krhpr_subleg_planar_rr_jacobian_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
     const double m_00 = -d[1].v;
-    const double m_01 = -u_2[1].v;
+    const double m_01 = -v_1[1].v;
     M[0].v = m_00;
     M[1].v = m_01;
     M[2].v = d[0].v;
-    M[3].v = u_2[0].v;
+    M[3].v = v_1[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         M[0].t[k] = -d[1].t[k];
-        M[1].t[k] = -u_2[1].t[k];
+        M[1].t[k] = -v_1[1].t[k];
         M[2].t[k] = d[0].t[k];
-        M[3].t[k] = u_2[0].t[k];
+        M[3].t[k] = v_1[0].t[k];
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (8
  * add, 12 multiply) */
 static inline void krhpr_subleg_planar_rr_project_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
     K[0].v = d[0].v * N[1].v - d[1].v * N[0].v;
-    K[1].v = u_2[0].v * N[1].v - u_2[1].v * N[0].v;
+    K[1].v = v_1[0].v * N[1].v - v_1[1].v * N[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = N[1].v * d[0].t[k] + d[0].v * N[1].t[k] - (N[0].v * d[1].t[k] + d[1].v * N[0].t[k]);
-        const double t2 = N[1].v * u_2[0].t[k] + u_2[0].v * N[1].t[k] - (N[0].v * u_2[1].t[k] + u_2[1].v * N[0].t[k]);
+        const double t2 = N[1].v * v_1[0].t[k] + v_1[0].v * N[1].t[k] - (N[0].v * v_1[1].t[k] + v_1[1].v * N[0].t[k]);
         K[0].t[k] = t1;
         K[1].t[k] = t2;
     }
@@ -217,17 +217,17 @@ static inline void krhpr_subleg_planar_rr_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (8 add,
  * 12 multiply) */
 static inline void krhpr_subleg_planar_rr_velocity_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
-    const double w_0 = -(d[1].v * theta_dot[0].v + u_2[1].v * theta_dot[1].v);
-    const double w_1 = d[0].v * theta_dot[0].v + u_2[0].v * theta_dot[1].v;
+    const double w_0 = -(d[1].v * theta_dot[0].v + v_1[1].v * theta_dot[1].v);
+    const double w_1 = d[0].v * theta_dot[0].v + v_1[0].v * theta_dot[1].v;
     s_dot[0].v = w_0;
     s_dot[1].v = w_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = theta_dot[0].v * d[1].t[k] + d[1].v * theta_dot[0].t[k] + (theta_dot[1].v * u_2[1].t[k] + u_2[1].v * theta_dot[1].t[k]);
-        const double t2 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k] + (theta_dot[1].v * u_2[0].t[k] + u_2[0].v * theta_dot[1].t[k]);
+        const double t1 = theta_dot[0].v * d[1].t[k] + d[1].v * theta_dot[0].t[k] + (theta_dot[1].v * v_1[1].t[k] + v_1[1].v * theta_dot[1].t[k]);
+        const double t2 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k] + (theta_dot[1].v * v_1[0].t[k] + v_1[0].v * theta_dot[1].t[k]);
         s_dot[0].t[k] = -t1;
         s_dot[1].t[k] = t2;
     }
@@ -242,10 +242,10 @@ static inline void krhpr_subleg_planar_rr_bias_tangent(
     const double d_0 = s[0].v - g->o[0];
     const double d_1 = s[1].v - g->o[1];
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
-    const double u_2_0 = d_0 - g->l_1 * h2;
-    const double u_2_1 = d_1 - g->l_1 * h1;
-    const double h4 = theta_dot[0].v * d_1 + theta_dot[1].v * u_2_1;
-    const double s_dot_1 = theta_dot[0].v * d_0 + theta_dot[1].v * u_2_0;
+    const double v_1_0 = d_0 - g->l_1 * h2;
+    const double v_1_1 = d_1 - g->l_1 * h1;
+    const double h4 = theta_dot[0].v * d_1 + theta_dot[1].v * v_1_1;
+    const double s_dot_1 = theta_dot[0].v * d_0 + theta_dot[1].v * v_1_0;
     const double h5 = g->l_1 * (theta_dot[0].v * h1) - h4;
     const double h3 = s_dot_1 - g->l_1 * (theta_dot[0].v * h2);
     s_dot[0].v = -h4;
@@ -255,8 +255,8 @@ static inline void krhpr_subleg_planar_rr_bias_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = h1 * theta[0].t[k];
         const double t2 = h2 * theta[0].t[k];
-        const double t3 = d_1 * theta_dot[0].t[k] + theta_dot[0].v * s[1].t[k] + (u_2_1 * theta_dot[1].t[k] + theta_dot[1].v * (s[1].t[k] - g->l_1 * t2));
-        const double t4 = d_0 * theta_dot[0].t[k] + theta_dot[0].v * s[0].t[k] + (u_2_0 * theta_dot[1].t[k] + theta_dot[1].v * (s[0].t[k] + g->l_1 * t1));
+        const double t3 = d_1 * theta_dot[0].t[k] + theta_dot[0].v * s[1].t[k] + (v_1_1 * theta_dot[1].t[k] + theta_dot[1].v * (s[1].t[k] - g->l_1 * t2));
+        const double t4 = d_0 * theta_dot[0].t[k] + theta_dot[0].v * s[0].t[k] + (v_1_0 * theta_dot[1].t[k] + theta_dot[1].v * (s[0].t[k] + g->l_1 * t1));
         const double t5 = theta_dot[1].v * (t4 - g->l_1 * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t1));
         const double t6 = s_dot_1 * theta_dot[0].t[k] + theta_dot[0].v * t4 + (h3 * theta_dot[1].t[k] + t5);
         const double t7 = theta_dot[1].v * (g->l_1 * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t2) - t3);
@@ -270,19 +270,19 @@ static inline void krhpr_subleg_planar_rr_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (14 add, 26
  * multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rr_rates_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
-    const double det = d[0].v * u_2[1].v - d[1].v * u_2[0].v;
-    const double h2 = u_2[0].v * s_dot[0].v + u_2[1].v * s_dot[1].v;
-    const double h1 = 1.0 / det;
+    const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
+    const double h2 = v_1[0].v * s_dot[0].v + v_1[1].v * s_dot[1].v;
+    const double h1 = 1.0 / elbow;
     const double h3 = d[0].v * s_dot[0].v + d[1].v * s_dot[1].v;
     theta_dot[0].v = h2 * h1;
     theta_dot[1].v = -h1 * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = u_2[1].v * d[0].t[k] + d[0].v * u_2[1].t[k] - (u_2[0].v * d[1].t[k] + d[1].v * u_2[0].t[k]);
-        const double t2 = s_dot[0].v * u_2[0].t[k] + u_2[0].v * s_dot[0].t[k] + (s_dot[1].v * u_2[1].t[k] + u_2[1].v * s_dot[1].t[k]);
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
+        const double t2 = s_dot[0].v * v_1[0].t[k] + v_1[0].v * s_dot[0].t[k] + (s_dot[1].v * v_1[1].t[k] + v_1[1].v * s_dot[1].t[k]);
         const double t3 = h1 * (h1 * t1);
         const double t4 = s_dot[0].v * d[0].t[k] + d[0].v * s_dot[0].t[k] + (s_dot[1].v * d[1].t[k] + d[1].v * s_dot[1].t[k]);
         theta_dot[0].t[k] = h1 * t2 - h2 * t3;
@@ -293,14 +293,14 @@ static inline void krhpr_subleg_planar_rr_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
 static inline void krhpr_subleg_planar_rr_determinant_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
-    const double det = d[0].v * u_2[1].v - d[1].v * u_2[0].v;
-    det_M[0].v = det;
-    factors[0].v = det * g->k[5];
+    const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
+    det_M[0].v = elbow;
+    factors[0].v = elbow * g->k[5];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = u_2[1].v * d[0].t[k] + d[0].v * u_2[1].t[k] - (u_2[0].v * d[1].t[k] + d[1].v * u_2[0].t[k]);
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
         det_M[0].t[k] = t1;
         factors[0].t[k] = g->k[5] * t1;
     }
@@ -308,32 +308,32 @@ static inline void krhpr_subleg_planar_rr_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 static inline void krhpr_subleg_planar_rr_passive_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
 {
-    link[0].v = u_2[0].v * g->k[6];
-    link[1].v = u_2[1].v * g->k[6];
+    link[0].v = v_1[0].v * g->k[6];
+    link[1].v = v_1[1].v * g->k[6];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        link[0].t[k] = g->k[6] * u_2[0].t[k];
-        link[1].t[k] = g->k[6] * u_2[1].t[k];
+        link[0].t[k] = g->k[6] * v_1[0].t[k];
+        link[1].t[k] = g->k[6] * v_1[1].t[k];
     }
 }
 
-/* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
+/* `points` with the derivatives of its outputs along directions of its inputs.  (6 add) */
 static inline void krhpr_subleg_planar_rr_points_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *u_2, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
     points[0].v = g->o[0];
     points[1].v = g->o[1];
-    points[2].v = s[0].v - u_2[0].v;
-    points[3].v = s[1].v - u_2[1].v;
+    points[2].v = g->o[0] + d[0].v - v_1[0].v;
+    points[3].v = g->o[1] + d[1].v - v_1[1].v;
     points[4].v = s[0].v;
     points[5].v = s[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = s[0].t[k] - u_2[0].t[k];
-        points[3].t[k] = s[1].t[k] - u_2[1].t[k];
+        points[2].t[k] = d[0].t[k] - v_1[0].t[k];
+        points[3].t[k] = d[1].t[k] - v_1[1].t[k];
         points[4].t[k] = s[0].t[k];
         points[5].t[k] = s[1].t[k];
     }

@@ -10,16 +10,12 @@
 #include "../krhpr_subleg_r_fivebar.h"
 #include "krhpr_dual.h"
 
-/* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (43 add, 74
+/* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (46 add, 74
  * multiply, 2 divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_forward_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
     const double u_1_0 = g->l_4 * h2;
     const double u_1_1 = g->l_4 * h1;
@@ -35,41 +31,46 @@ static inline void krhpr_subleg_r_fivebar_forward_tangent(
     const double h2_a = g->k[0] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
-    const double h8 = along - 1.0;
-    const double w_0 = f_0 * h8 - f_1 * across;
-    const double w_1 = f_0 * across + f_1 * h8;
+    const double meeting_0 = f_0 * along - f_1 * across;
+    const double meeting_1 = f_0 * across + f_1 * along;
+    const double w_0 = meeting_0 - f_0;
+    const double w_1 = meeting_1 - f_1;
     const double d_0 = u_1_0 + w_0 * g->k[2];
     const double d_1 = u_1_1 + w_1 * g->k[2];
+    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
     const double h7 = 1.0 / t1;
-    s[0].v = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = sin_1 * theta[0].t[k];
-        const double t3 = cos_1 * theta[0].t[k];
-        const double t4 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t5 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t6 = g->l_2 * (h3 * theta[2].t[k]) - t4;
-        const double t7 = t5 - g->l_2 * (h4 * theta[2].t[k]);
-        const double t8 = f_0 * t6;
-        const double t9 = f_1 * t7;
-        const double t10 = t8 + t8 + (t9 + t9);
-        const double t11 = h5 * (h5 * t10);
-        const double t12 = h5 * (0.5 * t10) - h6 * t11;
-        const double t13 = along * t12;
-        const double t14 = g->k[0] * t11 + (t13 + t13);
-        const double t15 = assembly[0] * (h7 * (0.5 * t14));
-        const double t16 = g->k[2] * (h8 * t6 + f_0 * t12 - (across * t7 - f_1 * t15)) - t4;
-        const double t17 = t5 + g->k[2] * (across * t6 - f_0 * t15 + (h8 * t7 + f_1 * t12));
-        s[0].t[k] = x_0 * t16 - d_0 * (g->e_x[0] * t2 + g->e_t[0] * t3) + g->e_1[0] * t17;
-        s[1].t[k] = x_1 * t16 - d_0 * (g->e_x[1] * t2 + g->e_t[1] * t3) + g->e_1[1] * t17;
-        s[2].t[k] = x_2 * t16 - d_0 * (g->e_x[2] * t2) + g->e_1[2] * t17;
-        radicand[0].t[k] = -t14;
+        const double t2 = g->l_4 * (h1 * theta[1].t[k]);
+        const double t3 = g->l_4 * (h2 * theta[1].t[k]);
+        const double t4 = g->l_2 * (h3 * theta[2].t[k]) - t2;
+        const double t5 = t3 - g->l_2 * (h4 * theta[2].t[k]);
+        const double t6 = f_0 * t4;
+        const double t7 = f_1 * t5;
+        const double t8 = t6 + t6 + (t7 + t7);
+        const double t9 = h5 * (h5 * t8);
+        const double t10 = h5 * (0.5 * t8) - h6 * t9;
+        const double t11 = along * t10;
+        const double t12 = g->k[0] * t9 + (t11 + t11);
+        const double t13 = assembly[0] * (h7 * (0.5 * t12));
+        const double t14 = g->k[2] * (along * t4 + f_0 * t10 - (across * t5 - f_1 * t13) - t4) - t2;
+        const double t15 = t3 + g->k[2] * (across * t4 - f_0 * t13 + (along * t5 + f_1 * t10) - t5);
+        const double t16 = sin_1 * theta[0].t[k];
+        const double t17 = cos_1 * theta[0].t[k];
+        s[0].t[k] = x_0 * t14 - d_0 * (g->e_x[0] * t16 + g->e_t[0] * t17) + g->e_1[0] * t15;
+        s[1].t[k] = x_1 * t14 - d_0 * (g->e_x[1] * t16 + g->e_t[1] * t17) + g->e_1[1] * t15;
+        s[2].t[k] = x_2 * t14 - d_0 * (g->e_x[2] * t16) + g->e_1[2] * t15;
+        radicand[0].t[k] = -t12;
     }
 }
 
-/* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (47
+/* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (50
  * add, 84 multiply, 2 divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
@@ -77,10 +78,6 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
     const double u_1_0 = g->l_4 * h2;
     const double u_1_1 = g->l_4 * h1;
@@ -96,15 +93,20 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
     const double h2_a = g->k[0] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
-    const double h8 = along - 1.0;
-    const double w_0 = f_0 * h8 - f_1 * across;
-    const double w_1 = f_0 * across + f_1 * h8;
+    const double meeting_0 = f_0 * along - f_1 * across;
+    const double meeting_1 = f_0 * across + f_1 * along;
+    const double w_0 = meeting_0 - f_0;
+    const double w_1 = meeting_1 - f_1;
     const double d_0 = u_1_0 + w_0 * g->k[2];
     const double d_1 = u_1_1 + w_1 * g->k[2];
+    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
     const double h7 = 1.0 / t1;
-    s[0].v = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
@@ -119,43 +121,43 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
     u_2[1].v = u_2_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = sin_1 * theta[0].t[k];
-        const double t3 = cos_1 * theta[0].t[k];
-        const double t4 = g->e_x[0] * t2 + g->e_t[0] * t3;
-        const double t5 = g->e_x[1] * t2 + g->e_t[1] * t3;
-        const double t6 = g->e_x[2] * t2;
-        const double t7 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t8 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t9 = g->l_2 * (h3 * theta[2].t[k]);
-        const double t10 = g->l_2 * (h4 * theta[2].t[k]);
-        const double t11 = t9 - t7;
-        const double t12 = t8 - t10;
-        const double t13 = f_0 * t11;
-        const double t14 = f_1 * t12;
-        const double t15 = t13 + t13 + (t14 + t14);
-        const double t16 = h5 * (h5 * t15);
-        const double t17 = h5 * (0.5 * t15) - h6 * t16;
-        const double t18 = along * t17;
-        const double t19 = g->k[0] * t16 + (t18 + t18);
-        const double t20 = assembly[0] * (h7 * (0.5 * t19));
-        const double t21 = g->k[2] * (h8 * t11 + f_0 * t17 - (across * t12 - f_1 * t20)) - t7;
-        const double t22 = t8 + g->k[2] * (across * t11 - f_0 * t20 + (h8 * t12 + f_1 * t17));
-        s[0].t[k] = x_0 * t21 - d_0 * t4 + g->e_1[0] * t22;
-        s[1].t[k] = x_1 * t21 - d_0 * t5 + g->e_1[1] * t22;
-        s[2].t[k] = x_2 * t21 - d_0 * t6 + g->e_1[2] * t22;
-        x[0].t[k] = -t4;
-        x[1].t[k] = -t5;
-        x[2].t[k] = -t6;
-        e_2[0].t[k] = g->e_x[0] * t3 - g->e_t[0] * t2;
-        e_2[1].t[k] = g->e_x[1] * t3 - g->e_t[1] * t2;
-        e_2[2].t[k] = g->e_x[2] * t3;
-        d[0].t[k] = t21;
-        d[1].t[k] = t22;
-        u_1[0].t[k] = -t7;
-        u_1[1].t[k] = t8;
-        u_2[0].t[k] = -t9;
-        u_2[1].t[k] = t10;
-        radicand[0].t[k] = -t19;
+        const double t2 = g->l_4 * (h1 * theta[1].t[k]);
+        const double t3 = g->l_4 * (h2 * theta[1].t[k]);
+        const double t4 = g->l_2 * (h3 * theta[2].t[k]);
+        const double t5 = g->l_2 * (h4 * theta[2].t[k]);
+        const double t6 = t4 - t2;
+        const double t7 = t3 - t5;
+        const double t8 = f_0 * t6;
+        const double t9 = f_1 * t7;
+        const double t10 = t8 + t8 + (t9 + t9);
+        const double t11 = h5 * (h5 * t10);
+        const double t12 = h5 * (0.5 * t10) - h6 * t11;
+        const double t13 = along * t12;
+        const double t14 = g->k[0] * t11 + (t13 + t13);
+        const double t15 = assembly[0] * (h7 * (0.5 * t14));
+        const double t16 = g->k[2] * (along * t6 + f_0 * t12 - (across * t7 - f_1 * t15) - t6) - t2;
+        const double t17 = t3 + g->k[2] * (across * t6 - f_0 * t15 + (along * t7 + f_1 * t12) - t7);
+        const double t18 = sin_1 * theta[0].t[k];
+        const double t19 = cos_1 * theta[0].t[k];
+        const double t20 = g->e_x[0] * t18 + g->e_t[0] * t19;
+        const double t21 = g->e_x[1] * t18 + g->e_t[1] * t19;
+        const double t22 = g->e_x[2] * t18;
+        s[0].t[k] = x_0 * t16 - d_0 * t20 + g->e_1[0] * t17;
+        s[1].t[k] = x_1 * t16 - d_0 * t21 + g->e_1[1] * t17;
+        s[2].t[k] = x_2 * t16 - d_0 * t22 + g->e_1[2] * t17;
+        x[0].t[k] = -t20;
+        x[1].t[k] = -t21;
+        x[2].t[k] = -t22;
+        e_2[0].t[k] = g->e_x[0] * t19 - g->e_t[0] * t18;
+        e_2[1].t[k] = g->e_x[1] * t19 - g->e_t[1] * t18;
+        e_2[2].t[k] = g->e_x[2] * t19;
+        d[0].t[k] = t16;
+        d[1].t[k] = t17;
+        u_1[0].t[k] = -t2;
+        u_1[1].t[k] = t3;
+        u_2[0].t[k] = -t4;
+        u_2[1].t[k] = t5;
+        radicand[0].t[k] = -t14;
     }
 }
 

@@ -15,10 +15,6 @@
 static inline void krhpr_subleg_rrr_forward_tangent(
     const krhpr_subleg_rrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
     const double t1 = theta[1].v + theta[2].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
     const double v_1_0 = g->l_3 * h2;
@@ -26,18 +22,22 @@ static inline void krhpr_subleg_rrr_forward_tangent(
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
     const double d_0 = v_1_0 + g->l_2 * h4;
     const double d_1 = v_1_1 + g->l_2 * h3;
-    s[0].v = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
+    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = sin_1 * theta[0].t[k];
-        const double t3 = cos_1 * theta[0].t[k];
-        const double t4 = theta[1].t[k] + theta[2].t[k];
-        const double t5 = g->l_3 * (h1 * t4) + g->l_2 * (h3 * theta[1].t[k]);
-        const double t6 = g->l_3 * (h2 * t4) + g->l_2 * (h4 * theta[1].t[k]);
-        s[0].t[k] = g->e_1[0] * t6 - (d_0 * (g->e_x[0] * t2 + g->e_t[0] * t3) + x_0 * t5);
-        s[1].t[k] = g->e_1[1] * t6 - (d_0 * (g->e_x[1] * t2 + g->e_t[1] * t3) + x_1 * t5);
-        s[2].t[k] = g->e_1[2] * t6 - (d_0 * (g->e_x[2] * t2) + x_2 * t5);
+        const double t2 = theta[1].t[k] + theta[2].t[k];
+        const double t3 = g->l_3 * (h1 * t2) + g->l_2 * (h3 * theta[1].t[k]);
+        const double t4 = g->l_3 * (h2 * t2) + g->l_2 * (h4 * theta[1].t[k]);
+        const double t5 = sin_1 * theta[0].t[k];
+        const double t6 = cos_1 * theta[0].t[k];
+        s[0].t[k] = g->e_1[0] * t4 - (x_0 * t3 + d_0 * (g->e_x[0] * t5 + g->e_t[0] * t6));
+        s[1].t[k] = g->e_1[1] * t4 - (x_1 * t3 + d_0 * (g->e_x[1] * t5 + g->e_t[1] * t6));
+        s[2].t[k] = g->e_1[2] * t4 - (x_2 * t3 + d_0 * (g->e_x[2] * t5));
     }
 }
 
@@ -48,10 +48,6 @@ static inline void krhpr_subleg_rrr_forward_posture_tangent(
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v_1)
 {
-    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
     const double t1 = theta[1].v + theta[2].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
     const double v_1_0 = g->l_3 * h2;
@@ -59,9 +55,13 @@ static inline void krhpr_subleg_rrr_forward_posture_tangent(
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
     const double d_0 = v_1_0 + g->l_2 * h4;
     const double d_1 = v_1_1 + g->l_2 * h3;
-    s[0].v = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1;
+    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
+    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
+    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
+    const double x_2 = g->e_x[2] * cos_1;
+    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
+    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
+    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
@@ -73,29 +73,29 @@ static inline void krhpr_subleg_rrr_forward_posture_tangent(
     v_1[0].v = v_1_0;
     v_1[1].v = v_1_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = sin_1 * theta[0].t[k];
-        const double t3 = cos_1 * theta[0].t[k];
-        const double t4 = g->e_x[0] * t2 + g->e_t[0] * t3;
-        const double t5 = g->e_x[1] * t2 + g->e_t[1] * t3;
-        const double t6 = g->e_x[2] * t2;
-        const double t7 = theta[1].t[k] + theta[2].t[k];
-        const double t8 = g->l_3 * (h1 * t7);
-        const double t9 = g->l_3 * (h2 * t7);
-        const double t10 = t8 + g->l_2 * (h3 * theta[1].t[k]);
-        const double t11 = t9 + g->l_2 * (h4 * theta[1].t[k]);
-        s[0].t[k] = g->e_1[0] * t11 - (d_0 * t4 + x_0 * t10);
-        s[1].t[k] = g->e_1[1] * t11 - (d_0 * t5 + x_1 * t10);
-        s[2].t[k] = g->e_1[2] * t11 - (d_0 * t6 + x_2 * t10);
-        x[0].t[k] = -t4;
-        x[1].t[k] = -t5;
-        x[2].t[k] = -t6;
-        e_2[0].t[k] = g->e_x[0] * t3 - g->e_t[0] * t2;
-        e_2[1].t[k] = g->e_x[1] * t3 - g->e_t[1] * t2;
-        e_2[2].t[k] = g->e_x[2] * t3;
-        d[0].t[k] = -t10;
-        d[1].t[k] = t11;
-        v_1[0].t[k] = -t8;
-        v_1[1].t[k] = t9;
+        const double t2 = theta[1].t[k] + theta[2].t[k];
+        const double t3 = g->l_3 * (h1 * t2);
+        const double t4 = g->l_3 * (h2 * t2);
+        const double t5 = t3 + g->l_2 * (h3 * theta[1].t[k]);
+        const double t6 = t4 + g->l_2 * (h4 * theta[1].t[k]);
+        const double t7 = sin_1 * theta[0].t[k];
+        const double t8 = cos_1 * theta[0].t[k];
+        const double t9 = g->e_x[0] * t7 + g->e_t[0] * t8;
+        const double t10 = g->e_x[1] * t7 + g->e_t[1] * t8;
+        const double t11 = g->e_x[2] * t7;
+        s[0].t[k] = g->e_1[0] * t6 - (x_0 * t5 + d_0 * t9);
+        s[1].t[k] = g->e_1[1] * t6 - (x_1 * t5 + d_0 * t10);
+        s[2].t[k] = g->e_1[2] * t6 - (x_2 * t5 + d_0 * t11);
+        x[0].t[k] = -t9;
+        x[1].t[k] = -t10;
+        x[2].t[k] = -t11;
+        e_2[0].t[k] = g->e_x[0] * t8 - g->e_t[0] * t7;
+        e_2[1].t[k] = g->e_x[1] * t8 - g->e_t[1] * t7;
+        e_2[2].t[k] = g->e_x[2] * t8;
+        d[0].t[k] = -t5;
+        d[1].t[k] = t6;
+        v_1[0].t[k] = -t3;
+        v_1[1].t[k] = t4;
     }
 }
 
@@ -371,19 +371,19 @@ static inline void krhpr_subleg_rrr_velocity_tangent(
     const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
     const krhpr_dual *v_1, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
-    const double h2 = d[1].v * theta_dot[1].v + v_1[1].v * theta_dot[2].v;
-    const double w_1 = d[0].v * theta_dot[1].v + v_1[0].v * theta_dot[2].v;
     const double h1 = d[0].v * theta_dot[0].v;
-    s_dot[0].v = g->e_1[0] * w_1 - e_2[0].v * h1 - x[0].v * h2;
-    s_dot[1].v = g->e_1[1] * w_1 - e_2[1].v * h1 - x[1].v * h2;
-    s_dot[2].v = g->e_1[2] * w_1 - e_2[2].v * h1 - x[2].v * h2;
+    const double h2 = d[1].v * theta_dot[1].v + v_1[1].v * theta_dot[2].v;
+    const double w_2 = d[0].v * theta_dot[1].v + v_1[0].v * theta_dot[2].v;
+    s_dot[0].v = g->e_1[0] * w_2 - e_2[0].v * h1 - x[0].v * h2;
+    s_dot[1].v = g->e_1[1] * w_2 - e_2[1].v * h1 - x[1].v * h2;
+    s_dot[2].v = g->e_1[2] * w_2 - e_2[2].v * h1 - x[2].v * h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = theta_dot[1].v * d[1].t[k] + d[1].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[1].t[k] + v_1[1].v * theta_dot[2].t[k]);
-        const double t2 = theta_dot[1].v * d[0].t[k] + d[0].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[0].t[k] + v_1[0].v * theta_dot[2].t[k]);
-        const double t3 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
-        const double t4 = g->e_1[0] * t2 - (h1 * e_2[0].t[k] + e_2[0].v * t3) - (h2 * x[0].t[k] + x[0].v * t1);
-        const double t5 = g->e_1[1] * t2 - (h1 * e_2[1].t[k] + e_2[1].v * t3) - (h2 * x[1].t[k] + x[1].v * t1);
-        const double t6 = g->e_1[2] * t2 - (h1 * e_2[2].t[k] + e_2[2].v * t3) - (h2 * x[2].t[k] + x[2].v * t1);
+        const double t1 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
+        const double t2 = theta_dot[1].v * d[1].t[k] + d[1].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[1].t[k] + v_1[1].v * theta_dot[2].t[k]);
+        const double t3 = theta_dot[1].v * d[0].t[k] + d[0].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[0].t[k] + v_1[0].v * theta_dot[2].t[k]);
+        const double t4 = g->e_1[0] * t3 - (h1 * e_2[0].t[k] + e_2[0].v * t1) - (h2 * x[0].t[k] + x[0].v * t2);
+        const double t5 = g->e_1[1] * t3 - (h1 * e_2[1].t[k] + e_2[1].v * t1) - (h2 * x[1].t[k] + x[1].v * t2);
+        const double t6 = g->e_1[2] * t3 - (h1 * e_2[2].t[k] + e_2[2].v * t1) - (h2 * x[2].t[k] + x[2].v * t2);
         s_dot[0].t[k] = t4;
         s_dot[1].t[k] = t5;
         s_dot[2].t[k] = t6;
