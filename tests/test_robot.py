@@ -536,6 +536,7 @@ def test_geometry_cannot_be_changed_by_accident(planar: Robot) -> None:
 # -- backends ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.compiler
 @pytest.mark.parametrize(("identifier", "name"), CASES, ids=map(".".join, CASES))
 def test_backends_agree(identifier: str, name: str, full: bool) -> None:
     robots = [load(identifier, backend) for backend in BACKENDS]
@@ -545,6 +546,7 @@ def test_backends_agree(identifier: str, name: str, full: bool) -> None:
     assert_same(numpy[0], compiled[0], 1e-9)
 
 
+@pytest.mark.compiler
 def test_backends_agree_where_there_is_no_answer() -> None:
     robots = [load("spatial_r_fivebar_a", name) for name in BACKENDS]
     p, Q, redundant = poses(robots[0], 300)
@@ -560,16 +562,23 @@ def test_backends_agree_where_there_is_no_answer() -> None:
 
 def test_the_backend_is_chosen_by_name_or_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     assert krhpr.load("planar_rr_a", backend="numpy").backend == "numpy"
-    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
     monkeypatch.setenv("KRHPR_BACKEND", "numpy")
     assert krhpr.load("planar_rr_a").backend == "numpy"
     assert krhpr.load("planar_rr_a").with_geometry(l_1=0.2).backend == "numpy"
-    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
     monkeypatch.setenv("KRHPR_BACKEND", "fortran")
     with pytest.raises(ValueError, match=r"'fortran' \(KRHPR_BACKEND\); there are auto, compiled, numpy"):
         krhpr.load("planar_rr_a")
     with pytest.raises(ValueError, match="no backend is called 'C'; there are"):
         krhpr.load("planar_rr_a", backend="C")
+
+
+@pytest.mark.compiler
+def test_compiled_kernels_are_chosen_by_name_or_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
+    monkeypatch.setenv("KRHPR_BACKEND", "numpy")
+    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
+    monkeypatch.setenv("KRHPR_BACKEND", "compiled")
+    assert krhpr.load("planar_rr_a").backend == "compiled"
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.c.support import ROBOTS, SOURCES, program, run
+from tests.support import need
 
 ROBOT = "planar_rr_a"
 
@@ -32,7 +33,7 @@ int main()
 
 @pytest.fixture(autouse=True)
 def cmake() -> str:
-    program("cc")
+    need("cc")
     return program("cmake")
 
 
@@ -91,7 +92,7 @@ def test_every_option_is_documented() -> None:
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An installation of one robot."""
     folder = tmp_path_factory.mktemp("install")
-    program("cmake")
+    need("cmake", "cc")
     options = [f"-DKRHPR_ROBOTS={ROBOT}", "-DKRHPR_EXAMPLES=OFF", "-DKRHPR_CASADI=ON"]
     run(["cmake", "-S", SOURCES, "-B", folder / "build", *options])
     run(["cmake", "--build", folder / "build"])
@@ -115,7 +116,7 @@ def test_what_is_installed(prefix: Path) -> None:
 @pytest.mark.parametrize("how", ["installed", "sources"])
 def test_another_project_uses_it(how: str, prefix: Path, tmp_path: Path) -> None:
     """By find_package, or by add_subdirectory, which then neither installs nor builds the example."""
-    program("c++")
+    need("c++")
     line = (
         "find_package(krhpr 0.1 CONFIG REQUIRED)"
         if how == "installed"

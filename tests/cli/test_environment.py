@@ -63,7 +63,11 @@ def test_looking_up_and_computing_take_numpy_alone(arguments: list[str]) -> None
         assert run.stderr == "[]\n"
 
 
-@pytest.mark.parametrize("arguments", [*LIGHT.values(), ["compile", "planar_rr_a"]], ids=[*LIGHT, "compile"])
+@pytest.mark.parametrize(
+    "arguments",
+    [*LIGHT.values(), pytest.param(["compile", "planar_rr_a"], marks=pytest.mark.compiler)],
+    ids=[*LIGHT, "compile"],
+)
 def test_they_work_where_nothing_else_is_installed(arguments: list[str]) -> None:
     run = run_python("-c", BLOCK.format(arguments=arguments, blocked=HEAVY), input=POSE)
     assert run.returncode == 0, run.stderr

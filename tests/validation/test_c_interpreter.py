@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import shutil
 import subprocess
 from collections.abc import Callable
 from fractions import Fraction
@@ -36,6 +35,7 @@ from krhpr.validation.numbers import (
     NotRational,
     ball_precision,
 )
+from tests.support import lacking, need
 
 HEADER = """
 /* A leg with three revolute joints: header. */
@@ -251,9 +251,8 @@ class GeometryStruct(ctypes.Structure):
 
 @pytest.fixture(scope="module")
 def library(files: list[Path]) -> ctypes.CDLL:
-    compiler = shutil.which("gcc") or shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler")
+    compiler = "cc" if lacking("gcc") else "gcc"
+    need(compiler)
     target = files[1].with_suffix(".so")
     flags = ["-std=c99", "-D_GNU_SOURCE", "-O0", "-ffp-contract=off", "-shared", "-fPIC"]
     subprocess.run([compiler, *flags, str(files[1]), "-o", str(target), "-lm"], check=True)
