@@ -62,6 +62,10 @@ def test_options_switch_flags_off(tmp_path: Path) -> None:
     assert not [word for word in words if word.startswith(("-march", "-ff", "-fno-", "-O"))]
 
 
+def test_without_its_robot_the_example_is_left_out(tmp_path: Path) -> None:
+    assert set(configure(tmp_path, f"-DKRHPR_ROBOTS={ROBOT}")) == {f"krhpr_{ROBOT}.c"}
+
+
 def test_no_native_instructions_for_another_machine(tmp_path: Path) -> None:
     """A tool chain for another system leaves -march=native out, unless it is asked for."""
     toolchain = tmp_path / "toolchain.cmake"
