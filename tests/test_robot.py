@@ -271,6 +271,8 @@ def test_what_is_no_array_of_numbers_is_named(planar: Robot, value: Any) -> None
 
 def test_unknown_functions_and_too_few_arguments(planar: Robot) -> None:
     with pytest.raises(AttributeError, match="planar_rr_a has no function 'invert'; it has end_points, "):
+        load("planar_rr_a", "numpy").signature("invert")
+    with pytest.raises(AttributeError, match="planar_rr_a has no function 'invert'; it has end_points, "):
         planar.call("invert")
     with pytest.raises(TypeError, match=r"end_points takes 3 arrays \(p, phi, redundant\), got 1"):
         planar.call("end_points", [0, 0])
@@ -513,7 +515,8 @@ def test_legs_may_differ(robot: Robot) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"l_99": 1}, "unknown field"),
+        ({"l_99": 1}, "geometry: unknown field l_99; the fields are"),
+        ({"l_1": "long"}, "'l_1' is 'long'; expected a number or three"),
         ({"l_2": 0.0}, "must be positive"),
         ({"l_2": -1.0}, "must be positive"),
         ({"l_2": np.nan}, "must be finite"),

@@ -60,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Generate, or compare."""
     if options.robots and options.out is None:
+        _entries(options.robots)  # a wrong name is told first
         raise WrongUse(
             "robots share files, so generated/ is written for all of them at once: leave the names out, or "
             "add --out DIR to gather what these robots need into a folder of its own"
