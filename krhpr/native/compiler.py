@@ -83,10 +83,10 @@ def find_compiler() -> Compiler:
             refusals.append(found)
     if chosen:
         wrong = refusals[0] if refusals else "there is no such compiler"
-        raise NoCompiler(f"KRHPR_CC is {chosen!r}, and {wrong}: {CHOICE}")
+        raise NoCompiler(f"KRHPR_CC is {chosen!r}, and {wrong}; {CHOICE}")
     names = ", ".join(candidate for candidate in candidates if candidate)
     if refusals:
-        raise NoCompiler(f"no C compiler works (tried {names}); {'; '.join(refusals)}: mend it, {HINT}")
+        raise NoCompiler(f"no C compiler works (tried {names}): {', '.join(refusals)}; mend it, {HINT}")
     raise NoCompiler(f"no C compiler found (looked for {names}): {HINT}")
 
 
@@ -178,7 +178,7 @@ def _identify(candidate: str, search_path: str) -> Compiler | str:
     succeeded, output = _run([*command, "--version"])
     if succeeded:
         return Compiler(command, output.strip())
-    return f"`{shlex.join(command)} --version` fails and says: {_first_line(output)}"
+    return f"`{shlex.join(command)} --version` fails and says {_first_line(output)!r}"
 
 
 def _first_line(output: str) -> str:

@@ -48,7 +48,7 @@ def test_a_compiler_that_fails_is_named(cli: Cli, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setenv("KRHPR_CC", str(script))
     result = cli("compile")
     assert (result.code, result.out) == (1, "")
-    assert f"`{script} --version` fails and says: no licence: name another compiler" in result.err
+    assert f"`{script} --version` fails and says 'no licence'; name another compiler" in result.err
 
 
 @pytest.mark.compiler
