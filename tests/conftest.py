@@ -57,7 +57,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Without a compiler: how many tests were skipped for each reason, and what ran more slowly."""
     reason = no_compiler()
-    if not reason:
+    if not reason or terminalreporter.config.option.collectonly:
         return
     terminalreporter.section("no compiled kernels")
     terminalreporter.write_line(f"{reason}.")
