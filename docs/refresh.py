@@ -310,6 +310,25 @@ def targets() -> str:
     return _table(("Target", "Module", "What"), rows)
 
 
+def cmake_options() -> str:
+    """The options of the CMake project, as its head tells them."""
+    head = (
+        (ROOT / "generated" / "c" / "CMakeLists.txt")
+        .read_text(encoding="utf-8")
+        .partition("cmake_minimum")[0]
+    )
+    rows: list[tuple[str, str]] = []
+    for name, text in re.findall(r"^#   (KRHPR_\w+|) {2,}(\S.*)$", head, re.MULTILINE):
+        if name:
+            rows.append((f"`{name}`", text))
+        elif rows:
+            rows[-1] = (rows[-1][0], f"{rows[-1][1]} {text}")
+    code = re.compile(r"-march=\w+|\w*<\w+>\w*")
+    return _table(
+        ("Option", "What, and what it is unless given"), [(a, code.sub(r"`\g<0>`", b)) for a, b in rows]
+    )
+
+
 def checks() -> str:
     """The kinds of checks that `krhpr validate` makes."""
     from krhpr.validation.plan import KINDS
@@ -323,6 +342,7 @@ def _first_line(target: object) -> str:
 
 TABLES: dict[str, Callable[..., str]] = {
     "checks": checks,
+    "cmake_options": cmake_options,
     "functions": functions,
     "platform": platform,
     "reference": reference,

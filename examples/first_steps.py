@@ -49,7 +49,7 @@ def main() -> None:
     every = robot.inverse_all(p, Q[0], beta)
     print(f"\n3. All {len(robot.modes)} working modes of leg 1 at the first pose, in degrees:")
     for label, angles in zip(robot.modes, every[0], strict=True):
-        print(f"   {label:20} {np.degrees(angles).round(3)}")
+        print(f"   {label:20}" + "".join(f"{angle:10.3f}" for angle in np.degrees(angles)))
 
     s = robot.end_points(p, Q, beta)
     J, K = robot.jacobians(p, Q, s, theta)

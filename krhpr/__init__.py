@@ -1,4 +1,4 @@
-"""krhpr: kinematics and statics of kinematically redundant (hybrid) parallel robots.
+"""krhpr: kinematics of kinematically redundant (hybrid) parallel robots.
 
     import krhpr
 

@@ -29,6 +29,9 @@ from krhpr.native import (
     make_gufunc,
 )
 
+SLOWER = "the same results, but a single call takes about ten times longer, and large batches several times"
+"""What there is to say where there are no compiled kernels."""
+
 
 class BackendName(StrEnum):
     """How functions are computed."""
@@ -174,8 +177,8 @@ def _extension() -> Path:
 @cache
 def _warn_slow(reason: str) -> None:
     warnings.warn(
-        f"no compiled kernels ({reason}); the pure NumPy modules are used: the same results, several times "
-        "slower",
+        f"{reason}. The pure NumPy modules are used: {SLOWER}. KRHPR_BACKEND=numpy chooses them without a "
+        "warning",
         RuntimeWarning,
         stacklevel=_level_outside(),
     )

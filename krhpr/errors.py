@@ -8,7 +8,7 @@ from difflib import get_close_matches
 
 def nearest(name: str, known: Sequence[str]) -> str:
     """For a name that is not among those known: which are nearest, or else which there are."""
-    near = get_close_matches(name, known, n=3, cutoff=0.5)
+    near = get_close_matches(name.lower(), known, n=3, cutoff=0.5)
     if not near:
         return f"there are {', '.join(known)}"
     *others, last = near

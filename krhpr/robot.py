@@ -115,6 +115,8 @@ class Robot:
 
     def signature(self, function: str) -> Signature:
         """Arguments and results of a function: names, shapes, units, frames, meanings."""
+        if function not in self._module.SIGNATURES:
+            raise self._unknown(function)
         return self._module.SIGNATURES[function]  # type: ignore[no-any-return]
 
     @property
@@ -392,10 +394,13 @@ class Robot:
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
         """Any function by name, with its inputs in the order of `signature(function)`."""
         if function not in self.functions:
-            raise AttributeError(
-                f"{self.identifier} has no function {function!r}; it has {', '.join(self.functions)}"
-            )
+            raise self._unknown(function)
         return self._answer(function, inputs, options)
+
+    def _unknown(self, function: str) -> AttributeError:
+        return AttributeError(
+            f"{self.identifier} has no function {function!r}; it has {', '.join(self.functions)}"
+        )
 
     @cached_property
     def _backend(self) -> Backend:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from functools import cache
+
 import pytest
 from hypothesis import settings
 
+from krhpr.backend import SLOWER
 from krhpr.native import NoCompiler, extension_path, find_compiler
 
 # The same examples on every run and machine; no deadline, as kernels are compiled or derived on first use.
@@ -20,6 +24,7 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("full" if config.getoption("--full") else "small")
 
 
+@cache
 def no_compiler() -> str:
     """Why there are no compiled kernels here; empty where there are."""
     try:
@@ -37,7 +42,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in items:
             parameters = getattr(item, "callspec", None)
             if item.get_closest_marker("compiler") or (
-                parameters is not None and "compiled" in parameters.params.values()
+                parameters is not None
+                and any(isinstance(p, str) and p == "compiled" for p in parameters.params.values())
             ):
                 item.add_marker(skip)
     if config.getoption("--full"):
@@ -46,6 +52,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if not item.get_closest_marker("full")]
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Without a compiler: how many tests were skipped for each reason, and what ran more slowly."""
+    reason = no_compiler()
+    if not reason or terminalreporter.config.option.collectonly:
+        return
+    terminalreporter.section("no compiled kernels")
+    terminalreporter.write_line(f"{reason}.")
+    terminalreporter.write_line(f"Robots ran on the pure NumPy modules: {SLOWER}.")
+    reports = terminalreporter.stats.get("skipped", [])
+    reasons = Counter(str(report.longrepr[2]).removeprefix("Skipped: ") for report in reports)
+    for said, count in reasons.most_common():
+        terminalreporter.write_line(f"{count:6} skipped: {said.replace(f': {reason}', '')}")
 
 
 @pytest.fixture(scope="session")

@@ -6,9 +6,12 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import pytest
 
 if TYPE_CHECKING:
     from krhpr.codegen.pipeline import Derived
@@ -16,6 +19,33 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = {"derivations": "derivations", "templates": "templates", "generated": "generated"}
+
+COMPILERS = {"cc": ".c", "gcc": ".c", "clang": ".c", "c++": ".cpp", "g++": ".cpp", "clang++": ".cpp"}
+"""Compilers that tests call by name, and the ending of what they compile."""
+
+
+@cache
+def lacking(program: str) -> str:
+    """Why a program cannot be used here; empty where it can.  A compiler must compile."""
+    found = shutil.which(program)
+    if found is None:
+        return f"{program} is not installed"
+    if program not in COMPILERS:
+        return ""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / f"probe{COMPILERS[program]}"
+        source.write_text("int main(void) { return 0; }\n")
+        command = [found, str(source), "-o", f"{folder}/probe"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    said = (done.stderr or done.stdout).strip().splitlines() or ["nothing"]
+    return "" if done.returncode == 0 else f"{program} does not compile; it said: {said[0]}"
+
+
+def need(*programs: str) -> None:
+    """Skip the test, and say why, where one of the programs cannot be used."""
+    for program in programs:
+        if reason := lacking(program):
+            pytest.skip(reason)
 
 
 @cache

@@ -6,9 +6,7 @@ import contextlib
 import importlib
 import importlib.util
 import io
-import os
 import re
-import shutil
 import struct
 import subprocess
 import sys
@@ -22,6 +20,7 @@ import numpy as np
 import pytest
 
 import krhpr
+from tests.support import lacking, need
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURES = ROOT / "docs" / "pictures"
@@ -112,21 +111,75 @@ def expected_lines(code: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")])
-def test_python_of_a_page_runs_and_prints_what_it_says(page: str) -> None:
+SAVED = {"c": "arm.c", "cmake": "CMakeLists.txt"}
+"""Blocks that commands find as files."""
+
+
+def commands_of(code: str) -> list[str]:
+    """The words by which the lines of a shell block begin."""
+    return [line.split()[0] for line in code.replace("\\\n", " ").splitlines() if line.strip()]
+
+
+def runs(code: str) -> bool:
+    """Whether a shell block is run here: not those that would run these tests."""
+    return "make" not in commands_of(code)
+
+
+def rounded(output: str) -> str:
+    """Without the last digits, which differ from compiler to compiler."""
+    return re.sub(r"-?\d+\.\d+", lambda match: f"{float(match[0]):.9f}", output)
+
+
+def run_python_block(page: str, first: int, code: str, namespace: dict[str, Any]) -> None:
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile("\n" * (first - 1) + code, page, "exec"), namespace)
+    assert printed.getvalue().splitlines() == expected_lines(code), f"{page}, block at line {first}"
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python") or blocks(page, "sh")])
+def test_a_page_runs_and_prints_what_it_says(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python and commands, in their order and in a folder of their own; a `text` block right behind commands
+    is what they print.  A section ends where a program that it needs is missing.
+    """
+    monkeypatch.chdir(tmp_path)
+    for folder in ("examples", "generated"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    own = REGION.sub(lambda match: "\n" * match[0].count("\n"), text(page))
     namespace: dict[str, Any] = {"__name__": "snippet"}
-    for first, code in blocks(page, "python"):
-        printed = io.StringIO()
-        with contextlib.redirect_stdout(printed):
-            exec(compile("\n" * (first - 1) + code, page, "exec"), namespace)
-        assert printed.getvalue().splitlines() == expected_lines(code), f"{page}, block at line {first}"
+    skipped: dict[int, str] = {}
+    printed, end = "", -1
+    for match in FENCE.finditer(own):
+        language, code = match[1], match[2]
+        first = own.count("\n", 0, match.start()) + 2
+        section = own.count("\n## ", 0, match.start())
+        if section in skipped:
+            continue
+        if language in SAVED:
+            (tmp_path / SAVED[language]).write_text(code, encoding="utf-8")
+        elif language == "python":
+            run_python_block(page, first, code, namespace)
+        elif language == "sh" and runs(code):
+            used = {"cc", "cmake"}.intersection(commands_of(code))
+            reasons = [lacking(program) for program in sorted(used | {"cc"} if used else used)]
+            if any(reasons):
+                skipped[section] = next(filter(None, reasons))
+                continue
+            done = subprocess.run(["sh", "-euc", code], capture_output=True, text=True, check=False)
+            assert done.returncode == 0, f"{page}, block at line {first}\n{done.stdout}{done.stderr}"
+            printed, end = done.stdout, match.end()
+        elif language == "text" and end >= 0 and not own[end : match.start()].strip():
+            assert rounded(printed) == rounded(code), f"{page}, block at line {first}"
+    if skipped:
+        pytest.skip(f"commands of {page}: {next(iter(skipped.values()))}")
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "c")])
 def test_c_of_a_page_compiles_and_runs(page: str, tmp_path: Path) -> None:
-    compiler = shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or shutil.which("clang")
-    if compiler is None:
-        pytest.skip("no C compiler")
+    compiler = next((name for name in ("cc", "gcc", "clang") if not lacking(name)), "cc")
+    need(compiler)
     for first, code in blocks(page, "c"):
         match = re.search(r'#include "krhpr_(\w+)\.h"', code)
         assert match, f"{page}, block at line {first}"
@@ -152,10 +205,16 @@ def test_c_of_a_page_compiles_and_runs(page: str, tmp_path: Path) -> None:
             assert np.allclose(np.loadtxt(io.StringIO(run.stdout)), theta, atol=1e-6)
 
 
+def test_every_example_is_described() -> None:
+    folder = ROOT / "examples"
+    programs = [path for path in folder.rglob("*") if path.suffix in (".py", ".c")]
+    assert len(programs) >= 3
+    assert all(f"]({path.relative_to(folder).as_posix()})" in text("examples/README.md") for path in programs)
+
+
 def test_examples_run() -> None:
     printed = {}
     for example in sorted((ROOT / "examples").glob("*.py")):
-        assert example.name in text("examples/README.md")
         run = subprocess.run([sys.executable, example], capture_output=True, text=True, check=False)
         assert run.returncode == 0, run.stderr
         printed[example.name] = run.stdout

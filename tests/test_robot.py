@@ -271,6 +271,8 @@ def test_what_is_no_array_of_numbers_is_named(planar: Robot, value: Any) -> None
 
 def test_unknown_functions_and_too_few_arguments(planar: Robot) -> None:
     with pytest.raises(AttributeError, match="planar_rr_a has no function 'invert'; it has end_points, "):
+        load("planar_rr_a", "numpy").signature("invert")
+    with pytest.raises(AttributeError, match="planar_rr_a has no function 'invert'; it has end_points, "):
         planar.call("invert")
     with pytest.raises(TypeError, match=r"end_points takes 3 arrays \(p, phi, redundant\), got 1"):
         planar.call("end_points", [0, 0])
@@ -513,7 +515,8 @@ def test_legs_may_differ(robot: Robot) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"l_99": 1}, "unknown field"),
+        ({"l_99": 1}, "geometry: unknown field l_99; the fields are"),
+        ({"l_1": "long"}, "'l_1' is 'long'; expected a number or three"),
         ({"l_2": 0.0}, "must be positive"),
         ({"l_2": -1.0}, "must be positive"),
         ({"l_2": np.nan}, "must be finite"),
@@ -536,6 +539,7 @@ def test_geometry_cannot_be_changed_by_accident(planar: Robot) -> None:
 # -- backends ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.compiler
 @pytest.mark.parametrize(("identifier", "name"), CASES, ids=map(".".join, CASES))
 def test_backends_agree(identifier: str, name: str, full: bool) -> None:
     robots = [load(identifier, backend) for backend in BACKENDS]
@@ -545,6 +549,7 @@ def test_backends_agree(identifier: str, name: str, full: bool) -> None:
     assert_same(numpy[0], compiled[0], 1e-9)
 
 
+@pytest.mark.compiler
 def test_backends_agree_where_there_is_no_answer() -> None:
     robots = [load("spatial_r_fivebar_a", name) for name in BACKENDS]
     p, Q, redundant = poses(robots[0], 300)
@@ -560,16 +565,23 @@ def test_backends_agree_where_there_is_no_answer() -> None:
 
 def test_the_backend_is_chosen_by_name_or_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     assert krhpr.load("planar_rr_a", backend="numpy").backend == "numpy"
-    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
     monkeypatch.setenv("KRHPR_BACKEND", "numpy")
     assert krhpr.load("planar_rr_a").backend == "numpy"
     assert krhpr.load("planar_rr_a").with_geometry(l_1=0.2).backend == "numpy"
-    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
     monkeypatch.setenv("KRHPR_BACKEND", "fortran")
     with pytest.raises(ValueError, match=r"'fortran' \(KRHPR_BACKEND\); there are auto, compiled, numpy"):
         krhpr.load("planar_rr_a")
     with pytest.raises(ValueError, match="no backend is called 'C'; there are"):
         krhpr.load("planar_rr_a", backend="C")
+
+
+@pytest.mark.compiler
+def test_compiled_kernels_are_chosen_by_name_or_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
+    monkeypatch.setenv("KRHPR_BACKEND", "numpy")
+    assert krhpr.load("planar_rr_a", backend="compiled").backend == "compiled"
+    monkeypatch.setenv("KRHPR_BACKEND", "compiled")
+    assert krhpr.load("planar_rr_a").backend == "compiled"
 
 
 @pytest.fixture

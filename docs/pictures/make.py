@@ -107,13 +107,13 @@ def planar() -> Figure:
     p, phi, beta = np.array([0.0, 0.0]), 0.0, np.radians([97.0, 97.0, 97.0])
     draw(robot, p, phi, beta, "elbow+", ax, labels=False)
     bones = skeleton(robot, p, phi, beta, "elbow+")
-    draw_frame(ax, (0, 0), np.eye(2), 0.06, ("$x$", "$y$"))
+    draw_frame(ax, (0, 0), np.eye(2), 0.035, ("$x$", "$y$"))
     label(ax, (0, 0), "$O = O'$", (-22, -17), leader=False)
     outward = bones.points["A"] / np.linalg.norm(bones.points["A"], axis=1)[:, np.newaxis]
     for i in range(3):
         shift = 15 * outward[i] if i != 1 else (-6, -16)
         label(ax, bones.points["A"][i], f"$o_{i + 1}$", shift, leader=False, ha="center", va="center")
-    for name, shifts in {"S": ((12, -8), (-12, 6), (-12, -10)), "B": ((-14, 2), (-4, -16), (12, 2))}.items():
+    for name, shifts in {"S": ((12, -18), (-12, 6), (8, -16)), "B": ((-14, 2), (-4, -16), (12, 2))}.items():
         text = {"S": "$r_{}$", "B": "$B_{}$"}[name]
         for i, shift in enumerate(shifts):
             label(ax, bones.points[name][i], text.format(i + 1), shift, leader=False, ha="center")
@@ -394,9 +394,10 @@ def _base_view(ax: Any, robot: Robot) -> None:
             ax.plot(*np.stack([np.zeros(2), joint]).T, color=INK, linewidth=1)
             label(ax, joint / 2, "$R_b$", (-20, -4), leader=False)
             _arc(ax, np.zeros(2), 0.075, 0.0, azimuth, "", 0.0)
-            label(ax, 0.075 * _turn(0.45), "azimuth", (3, 0), leader=False, fontsize=9)
+            blank = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+            label(ax, 0.075 * _turn(0.45), "azimuth", (3, 0), leader=False, fontsize=9, bbox=blank)
     draw_joints(ax, joints)
-    draw_frame(ax, (0, 0), np.eye(2), 0.14, ("$x$", "$y$"))
+    draw_frame(ax, (0, 0), np.eye(2), 0.1, ("$x$", "$y$"))
     label(ax, (0, 0), "$O$", (-14, -13), leader=False)
     ax.set_title("base, seen from $+z$", fontsize=11)
     ax.set_aspect("equal")
@@ -510,7 +511,11 @@ def _platform_a(ax: Any, flat: dict[str, Point], beta: Point) -> None:
         line = np.stack([b[i] - 1.6 * away, s[i] + 1.6 * away])
         ax.plot(*line.T, color=ALERT, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
         inward = _angle(-b[i])
-        _arc(ax, b[i], 0.03, inward, inward - beta[i], rf"$\beta_{i + 1}$", 0.013)
+        _arc(ax, b[i], 0.03, inward, inward - beta[i], "", 0.0)
+        # a narrow angle is cut in halves by the platform's edge
+        share, away_from = (0.5, 0.043) if beta[i] > 1.2 else (0.25, 0.06)
+        place = b[i] + away_from * _turn(inward - share * beta[i])
+        label(ax, place, rf"$\beta_{i + 1}$", (0, 0), leader=False, ha="center", va="center")
         label(ax, b[i], f"$B_{i + 1}$", 13 * outward, leader=False, ha="center", va="center")
         beyond = away / np.linalg.norm(away)
         label(

@@ -250,15 +250,18 @@ class Geometry:
         unknown = sorted(set(fields) - set(order))
         missing = [name for name in order if name not in fields]
         if unknown or missing:
-            raise ValueError(
-                f"geometry: unknown field(s) {unknown}, missing field(s) {missing}; the fields are {list(order)}"
-            )
+            wrong = (("unknown field", unknown), ("missing field", missing))
+            said = "; ".join(f"{what} {', '.join(names)}" for what, names in wrong if names)
+            raise ValueError(f"geometry: {said}; the fields are {', '.join(order)}")
         self.order, self.positive = tuple(order), tuple(positive)
         self.fields = {}
         for name in order:
             value = np.asarray(fields[name])
             if value.dtype != object:
-                value = value.astype(float)
+                try:
+                    value = value.astype(float)
+                except ValueError:
+                    raise ValueError(f"geometry: {name!r} is {fields[name]!r}; expected a number or three") from None
                 if value.shape not in ((), (LEGS,)):
                     raise ValueError(f"geometry: {name!r} has shape {value.shape}, expected () or (3,)")
                 if not np.isfinite(value).all():

@@ -27,8 +27,8 @@ COMMANDS: tuple[Command, ...] = (
 )
 
 DESCRIPTION = """\
-Kinematics and statics of kinematically redundant parallel robots: look robots up,
-compute with them, and generate their code (C, NumPy, CasADi) from the derivation."""
+Kinematics of kinematically redundant parallel robots: look robots up, compute with
+them, and generate their code (C, NumPy, CasADi) from the derivation."""
 
 EPILOG = """\
 examples:

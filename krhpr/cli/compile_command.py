@@ -20,11 +20,16 @@ def run(options: argparse.Namespace) -> int:
     for name in options.robots:
         if name not in known:
             raise UnknownRobot.among(name, known)
+    from krhpr.backend import SLOWER
     from krhpr.cli.compiling import compile_all
+    from krhpr.native import NoCompiler
 
     identifiers = [identifier for identifier in known if not options.robots or identifier in options.robots]
-    with progress(len(identifiers) + 1) as step:
-        libraries = compile_all(identifiers, step)
+    try:
+        with progress(len(identifiers) + 1) as step:
+            libraries = compile_all(identifiers, step)
+    except NoCompiler as error:
+        raise NoCompiler(f"{error}.\nUntil then robots run on the pure NumPy modules: {SLOWER}.") from error
     columns = (Column("robot", whole=True), Column("kB", numeric=True), Column("library"))
     rows = [(identifier, path.stat().st_size // 1000, path) for identifier, path in libraries.items()]
     print_table(columns, rows)

@@ -60,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Generate, or compare."""
     if options.robots and options.out is None:
+        _entries(options.robots)  # a wrong name is told first
         raise WrongUse(
             "robots share files, so generated/ is written for all of them at once: leave the names out, or "
             "add --out DIR to gather what these robots need into a folder of its own"
@@ -250,6 +251,7 @@ def _changed(changes: Sequence[Change]) -> str:
 
 def _compile(identifiers: Sequence[str]) -> str:
     """Compile ahead of time; returns what there is to say of it."""
+    from krhpr.backend import SLOWER
     from krhpr.cli.compiling import compile_all
     from krhpr.native import NoCompiler, cache_folder
 
@@ -258,10 +260,7 @@ def _compile(identifiers: Sequence[str]) -> str:
         with progress(len(identifiers) + 1) as step:
             compile_all(identifiers, step)
     except NoCompiler as error:
-        return (
-            f"Not compiled: {error}.\nRobots run on the pure NumPy modules: the same results, but a single "
-            "call takes about ten times longer, and large batches several times."
-        )
+        return f"Not compiled: {error}.\nRobots run on the pure NumPy modules: {SLOWER}."
     return f"Compiled kernels in {cache_folder()}; {perf_counter() - begin:.1f} s"
 
 

@@ -216,7 +216,7 @@ def _section(title: str, rows: Iterable[tuple[str, str]]) -> list[str]:
     rows = list(rows)
     if not rows:
         return []
-    width = min(max(len(name) for name, _ in rows), 46)
+    width = min(max(len(name) for name, _ in rows), 50)
     lines = ["", title]
     for name, text in rows:
         lines += _wrapped(text, " " * (width + 4), f"  {name.ljust(width)}  ")

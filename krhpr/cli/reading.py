@@ -139,7 +139,7 @@ def _element(
         if name in BRANCHES and _is_label(value):
             values[name] = value
         else:
-            values[name] = _array(value, ports[name], source, f"{path}.{name}")
+            values[name] = _array(value, ports[name], source, f"{path}.{name}" if path else name)
     return values
 
 

@@ -36,6 +36,7 @@ HINT = (
     "install gcc or clang (Debian, Ubuntu: apt install gcc libc6-dev; macOS: xcode-select --install), "
     "or name a compiler in the environment variable CC"
 )
+CHOICE = "name another compiler there, or `none` to do without, or unset it"
 
 StrPath = str | os.PathLike[str]
 
@@ -73,13 +74,19 @@ def find_compiler() -> Compiler:
     if chosen.strip().lower() == "none":
         raise NoCompiler("KRHPR_CC is set to none: compilers are disabled")
     candidates = (chosen,) if chosen else (os.environ.get("CC", ""), "cc", "gcc", "clang")
+    refusals = []
     for candidate in candidates:
-        compiler = _identify(candidate, os.environ.get("PATH", os.defpath))
-        if compiler is not None:
-            return compiler
+        found = _identify(candidate, os.environ.get("PATH", os.defpath))
+        if isinstance(found, Compiler):
+            return found
+        if found:
+            refusals.append(found)
     if chosen:
-        raise NoCompiler(f"KRHPR_CC is {chosen!r}, and there is no such compiler")
+        wrong = refusals[0] if refusals else "there is no such compiler"
+        raise NoCompiler(f"KRHPR_CC is {chosen!r}, and {wrong}; {CHOICE}")
     names = ", ".join(candidate for candidate in candidates if candidate)
+    if refusals:
+        raise NoCompiler(f"no C compiler works (tried {names}): {', '.join(refusals)}; mend it, {HINT}")
     raise NoCompiler(f"no C compiler found (looked for {names}): {HINT}")
 
 
@@ -138,7 +145,7 @@ def accepted_flags(compiler: Compiler, flags: tuple[str, ...]) -> tuple[str, ...
     if not works:
         said = output.strip() or "nothing"
         raise NoCompiler(
-            f"{shlex.join(compiler.command)} cannot make a shared library; it said: {said}\n{HINT}"
+            f"{shlex.join(compiler.command)} cannot make a shared library; it said: {said}\nMend it, {HINT}"
         )
     return tuple(flag for flag in flags if _accepts(compiler, (flag,)))
 
@@ -161,14 +168,21 @@ def processor() -> str:
 
 
 @functools.lru_cache
-def _identify(candidate: str, search_path: str) -> Compiler | None:
+def _identify(candidate: str, search_path: str) -> Compiler | str:
+    """The compiler that a command starts; else what is wrong, empty where there is no such program."""
     words = shlex.split(candidate)
     program = shutil.which(words[0], path=search_path) if words else None
     if program is None:
-        return None
+        return ""
     command = (os.path.abspath(program), *words[1:])
     succeeded, output = _run([*command, "--version"])
-    return Compiler(command, output.strip()) if succeeded else None
+    if succeeded:
+        return Compiler(command, output.strip())
+    return f"`{shlex.join(command)} --version` fails and says {_first_line(output)!r}"
+
+
+def _first_line(output: str) -> str:
+    return (output.strip().splitlines() or ["nothing"])[0]
 
 
 def _contents(sources: Sequence[Path], include_dirs: Sequence[Path]) -> list[tuple[str, str]]:

@@ -15,6 +15,7 @@ import pytest
 import krhpr.generated
 from krhpr.backend import c_sources
 from krhpr.generated.python.runtime import Port, Status
+from tests.support import need
 
 HERE = Path(__file__).parent
 SOURCES = c_sources()
@@ -105,9 +106,9 @@ def functions(identifier: str) -> tuple[Function, ...]:
 
 def program(name: str) -> str:
     """The path of a program, or a skipped test that says what is missing."""
+    need(name)
     found = shutil.which(name)
-    if found is None:
-        pytest.skip(f"{name} is not installed")
+    assert found is not None
     return found
 
 

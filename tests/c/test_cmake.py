@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.c.support import ROBOTS, SOURCES, program, run
+from tests.support import need
 
 ROBOT = "planar_rr_a"
 
@@ -32,7 +33,7 @@ int main()
 
 @pytest.fixture(autouse=True)
 def cmake() -> str:
-    program("cc")
+    need("cc")
     return program("cmake")
 
 
@@ -59,6 +60,10 @@ def test_options_switch_flags_off(tmp_path: Path) -> None:
     assert set(commands) == {f"krhpr_{ROBOT}.c"}
     (words,) = commands.values()
     assert not [word for word in words if word.startswith(("-march", "-ff", "-fno-", "-O"))]
+
+
+def test_without_its_robot_the_example_is_left_out(tmp_path: Path) -> None:
+    assert set(configure(tmp_path, f"-DKRHPR_ROBOTS={ROBOT}")) == {f"krhpr_{ROBOT}.c"}
 
 
 def test_no_native_instructions_for_another_machine(tmp_path: Path) -> None:
@@ -91,7 +96,7 @@ def test_every_option_is_documented() -> None:
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An installation of one robot."""
     folder = tmp_path_factory.mktemp("install")
-    program("cmake")
+    need("cmake", "cc")
     options = [f"-DKRHPR_ROBOTS={ROBOT}", "-DKRHPR_EXAMPLES=OFF", "-DKRHPR_CASADI=ON"]
     run(["cmake", "-S", SOURCES, "-B", folder / "build", *options])
     run(["cmake", "--build", folder / "build"])
@@ -115,7 +120,7 @@ def test_what_is_installed(prefix: Path) -> None:
 @pytest.mark.parametrize("how", ["installed", "sources"])
 def test_another_project_uses_it(how: str, prefix: Path, tmp_path: Path) -> None:
     """By find_package, or by add_subdirectory, which then neither installs nor builds the example."""
-    program("c++")
+    need("c++")
     line = (
         "find_package(krhpr 0.1 CONFIG REQUIRED)"
         if how == "installed"

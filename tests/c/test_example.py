@@ -11,6 +11,7 @@ import pytest
 
 import krhpr
 from tests.c.support import CONFORMANCE, SOURCES, program, run
+from tests.support import need
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "c"
@@ -28,7 +29,7 @@ def built(way: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp(way)
     if way == "cc":
         return compiled(folder)
-    program("cmake")
+    need("cmake", "cc")
     options = ["-DCMAKE_BUILD_TYPE=Release", f"-DKRHPR_ROBOTS={ROBOT}"]
     if way == "installed":
         prefix = folder / "prefix"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from krhpr.backend import SLOWER
 from tests.cli.support import Cli
 
 
@@ -16,6 +17,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache"
 
 
+@pytest.mark.compiler
 def test_it_says_where_the_libraries_are(cli: Cli, cache: Path) -> None:
     result = cli("compile", "planar_rr_a")
     assert result.code == 0, result.err
@@ -33,9 +35,23 @@ def test_without_a_compiler_it_fails(cli: Cli, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setenv("KRHPR_CC", "none")
     result = cli("compile")
     assert (result.code, result.out) == (1, "")
-    assert result.err == "krhpr: KRHPR_CC is set to none: compilers are disabled\n"
+    assert result.err == (
+        "krhpr: KRHPR_CC is set to none: compilers are disabled.\n"
+        f"Until then robots run on the pure NumPy modules: {SLOWER}.\n"
+    )
 
 
+def test_a_compiler_that_fails_is_named(cli: Cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    script = tmp_path / "mycc"
+    script.write_text("#!/bin/sh\necho 'no licence' >&2\nexit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("KRHPR_CC", str(script))
+    result = cli("compile")
+    assert (result.code, result.out) == (1, "")
+    assert f"`{script} --version` fails and says 'no licence'; name another compiler" in result.err
+
+
+@pytest.mark.compiler
 def test_what_the_compiler_says_is_passed_on(
     cli: Cli, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -13,9 +13,10 @@ from typing import NoReturn
 
 import pytest
 
+from krhpr.backend import SLOWER
 from krhpr.cli import app, common
 from tests.cli.support import Cli
-from tests.support import run_python
+from tests.support import ROOT, run_python
 from tests.test_packaging import HEAVY
 
 POSE = '{"p": [0.01, -0.02], "phi": 0.1, "redundant": [1.5, 1.4, 1.6]}'
@@ -63,7 +64,11 @@ def test_looking_up_and_computing_take_numpy_alone(arguments: list[str]) -> None
         assert run.stderr == "[]\n"
 
 
-@pytest.mark.parametrize("arguments", [*LIGHT.values(), ["compile", "planar_rr_a"]], ids=[*LIGHT, "compile"])
+@pytest.mark.parametrize(
+    "arguments",
+    [*LIGHT.values(), pytest.param(["compile", "planar_rr_a"], marks=pytest.mark.compiler)],
+    ids=[*LIGHT, "compile"],
+)
 def test_they_work_where_nothing_else_is_installed(arguments: list[str]) -> None:
     run = run_python("-c", BLOCK.format(arguments=arguments, blocked=HEAVY), input=POSE)
     assert run.returncode == 0, run.stderr
@@ -185,3 +190,15 @@ def test_progress_in_a_terminal_leaves_nothing_behind_but_the_results(
     result = cli("generate", "planar_rr_a", "--out", tmp_path / "arm")
     assert result.code == 0
     assert "derive planar_rr_a" in result.err
+
+
+def test_without_a_compiler_tests_are_skipped_and_it_is_said(tmp_path: Path) -> None:
+    """All are collected; of one that needs a compiler it is told why it is skipped, and what is slower."""
+    common = ["-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "-q"]
+    environment = {"KRHPR_CC": "none", "KRHPR_CACHE": str(tmp_path)}
+    collected = run_python(*common, "--collect-only", "tests", env=environment, cwd=ROOT)
+    assert collected.returncode == 0, collected.stdout
+    one = run_python(*common, "tests/cli/test_compile.py", env=environment, cwd=ROOT)
+    assert one.returncode == 0, one.stdout
+    assert f"compilers are disabled.\nRobots ran on the pure NumPy modules: {SLOWER}.\n" in one.stdout
+    assert "     2 skipped: compiled kernels cannot be tested here\n" in one.stdout

@@ -6,7 +6,6 @@ import ctypes
 import math
 import platform
 import re
-import shutil
 import subprocess
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ import numpy as np
 import pytest
 
 from krhpr.backend import c_sources
+from tests.support import need
 
 SOURCE = Path(__file__).with_name("elementary.c")
 HEADER = (c_sources() / "krhpr_elementary.h").read_text()
@@ -92,8 +92,7 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
 
     @cache
     def make(compiler: str, *flags: str) -> Library:
-        if shutil.which(compiler) is None:
-            pytest.skip(f"{compiler} is not installed")
+        need(compiler)
         known = [f for f in flags if not (compiler == "clang" and f == "-fno-tree-slp-vectorize")]
         target = folder / f"{len(list(folder.iterdir()))}.so"
         compile_shared(compiler, target, "-Wall", "-Werror", *known, f"-I{c_sources()}")
@@ -331,8 +330,7 @@ def test_wider_registers_leave_angles_to_the_c_library(
 @pytest.mark.parametrize("flag", ["-ffast-math", "-ffinite-math-only", "-Ofast"])
 def test_fast_math_is_refused(compiler: str, flag: str) -> None:
     """Without NaN there are no answers to tell apart; the compiler stops and says which flags are safe."""
-    if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
+    need(compiler)
     command = [compiler, flag, "-fsyntax-only", f"-I{c_sources()}", str(SOURCE)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode != 0 and "compile without -ffast-math" in done.stderr
@@ -342,8 +340,7 @@ def test_a_worse_polynomial_is_seen(
     tmp_path: Path, angles: np.ndarray, circle: tuple[Reference, Reference]
 ) -> None:
     """The bound bites: a coefficient wrong in its 10th digit, or pi/2 without its third part, exceeds it."""
-    if shutil.which("gcc") is None:
-        pytest.skip("gcc is not installed")
+    need("gcc")
     spoilt = {
         "2.48015872894767294178e-05": "2.48015872994767294178e-05",
         "n * 2.02226624879595063154e-21": "0.0",

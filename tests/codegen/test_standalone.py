@@ -16,7 +16,7 @@ from krhpr.codegen.output import write
 from krhpr.codegen.pipeline import derive, print_all
 from krhpr.codegen.standalone import standalone_files
 from krhpr.derivations.catalogue import catalogue
-from tests.support import contents
+from tests.support import contents, need
 
 STRICT = (
     "-std=c99",
@@ -135,8 +135,7 @@ def eval_list(text: str) -> list[float]:
 def test_both_robots_compile_into_one_program(
     compiler: str, gathered: Path, tmp_path: Path, expected: list[float]
 ) -> None:
-    if shutil.which(compiler) is None:
-        pytest.skip(f"needs {compiler}")
+    need(compiler)
     program = tmp_path / "program.c"
     program.write_text(PROGRAM)
     sources = [str(path) for path in sorted((gathered / "c").glob("*.c"))]
@@ -146,8 +145,7 @@ def test_both_robots_compile_into_one_program(
 
 
 def test_a_pair_of_files_is_enough(gathered: Path, tmp_path: Path) -> None:
-    if shutil.which("cc") is None:
-        pytest.skip("needs a C compiler")
+    need("cc")
     for ending in ("h", "c"):
         shutil.copy(gathered / "c" / f"krhpr_spatial_rrr_c.{ending}", tmp_path)
     text = (tmp_path / "krhpr_spatial_rrr_c.h").read_text()
@@ -156,8 +154,7 @@ def test_a_pair_of_files_is_enough(gathered: Path, tmp_path: Path) -> None:
 
 
 def test_cmake_builds_it(gathered: Path, tmp_path: Path) -> None:
-    if shutil.which("cmake") is None or shutil.which("cc") is None:
-        pytest.skip("needs CMake and a C compiler")
+    need("cmake", "cc")
     run("cmake", "-S", str(gathered / "c"), "-B", str(tmp_path), "-DCMAKE_BUILD_TYPE=Release")
     run("cmake", "--build", str(tmp_path))
     assert len(list(tmp_path.rglob("*krhpr_*.a"))) == 2

@@ -288,6 +288,26 @@ def test_no_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         find_compiler()
 
 
+@posix
+def test_compilers_that_fail_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """With what they say, and what to do."""
+    for name, said in (("cc", "no licence"), ("gcc", "broken")):
+        (tmp_path / name).write_text(f"#!/bin/sh\necho {said!r} >&2\nexit 1\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("KRHPR_CC", raising=False)
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(NoCompiler) as caught:
+        find_compiler()
+    assert str(caught.value).startswith(
+        f"no C compiler works (tried cc, gcc, clang): `{tmp_path}/cc --version` fails and says 'no licence', "
+        f"`{tmp_path}/gcc --version` fails and says 'broken'; mend it, install gcc or clang"
+    )
+    monkeypatch.setenv("KRHPR_CC", f"{tmp_path}/gcc -m64")
+    with pytest.raises(NoCompiler, match=r"gcc -m64', and `.*gcc -m64 --version` fails.*'broken'; name"):
+        find_compiler()
+
+
 @pytest.mark.parametrize("value", ["none", "NONE", " none "])
 def test_compilers_can_be_disabled(
     monkeypatch: pytest.MonkeyPatch, own_cache: Path, source: Path, value: str

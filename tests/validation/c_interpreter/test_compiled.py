@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import shutil
 import subprocess
 from fractions import Fraction
 from pathlib import Path
@@ -15,6 +14,7 @@ import pytest
 
 from krhpr.validation.c_interpreter import Array, CProgram, Struct
 from krhpr.validation.numbers import EXACT, FLOAT
+from tests.support import lacking, need
 from tests.validation.c_interpreter.sample import geometry
 
 
@@ -34,9 +34,8 @@ class GeometryStruct(ctypes.Structure):
 
 @pytest.fixture(scope="module")
 def library(files: list[Path]) -> ctypes.CDLL:
-    compiler = shutil.which("gcc") or shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler")
+    compiler = "cc" if lacking("gcc") else "gcc"
+    need(compiler)
     target = files[1].with_suffix(".so")
     flags = ["-std=c99", "-D_GNU_SOURCE", "-O0", "-ffp-contract=off", "-shared", "-fPIC"]
     subprocess.run([compiler, *flags, str(files[1]), "-o", str(target), "-lm"], check=True)
