@@ -45,7 +45,6 @@ class SlidePlatform(Platform):
         if self.offset:
             m = self.middle(g, self._across(t))
             k.output("m", m, Unit.METRE, Frame.PLATFORM, "m_i, S_i where d_i = 0")
-            k.output("h", dot(m, self._across(t)), Unit.METRE, Frame.PLATFORM, "n_i^T m_i")
         return GeometryType(f"platform_{self.name}", self.doc, self.fields, k.kernel())
 
     def _across(self, t: sp.Matrix) -> sp.Matrix:
@@ -73,7 +72,7 @@ class SlidePlatform(Platform):
     def residual(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         u = k.let("u", s - pose.p, "O' to S_i")
         across = -dot(u, self.direction(k, pose, s))
-        first = k.g.h + across if self.offset else across
+        first = dot(k.g.m, self._across(k.g.t)) + across if self.offset else across
         return sp.Matrix([first] if self.space is Space.PLANAR else [first, -dot(u, pose.Q.col(2))])
 
     def direction(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:

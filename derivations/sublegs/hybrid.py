@@ -7,10 +7,10 @@ from x.
 
 from __future__ import annotations
 
-from krhpr.derivations.sublegs.carriers import FirstAxis, Slide
+from krhpr.derivations.sublegs.carriers import Carrier, FirstAxis, Slide
 from krhpr.derivations.sublegs.five_bar import FiveBar
 from krhpr.derivations.sublegs.linkages import CarriedLinkage
-from krhpr.derivations.terms import Joint, JointKind
+from krhpr.derivations.terms import Joint, JointKind, Sign
 
 
 class RFiveBar(CarriedLinkage):
@@ -24,7 +24,7 @@ class RFiveBar(CarriedLinkage):
         "about one axis normal to the first."
     )
     equations = "App. B"
-    carrier = FirstAxis()
+    carrier: Carrier = FirstAxis()
     linkage = FiveBar(coupler=True, coaxial=True)
     actuators = (
         carrier.joint,
@@ -32,7 +32,7 @@ class RFiveBar(CarriedLinkage):
         Joint("theta_3", JointKind.REVOLUTE, "crank u_2 (l_2), from x towards e_1"),
     )
     passive_joints = linkage.passive_joints
-    inverse_signs = (*carrier.signs, *linkage.signs)
+    inverse_signs: tuple[Sign, ...] = (*carrier.signs, *linkage.signs)
     forward_signs = linkage.forward_signs
     links = (*carrier.links, *linkage.links(carrier.origin))
     default_mode = "front/elbow-/rod-"

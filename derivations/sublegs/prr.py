@@ -23,7 +23,7 @@ class PRR(CarriedLinkage):
     section = "2.4.1"
     doc = "Serial sub-leg: a slide along e_t, then two revolute joints whose axes are parallel to it."
     equations = "2.4.1, 2.5"
-    carrier = Slide()
+    carrier: Slide = Slide()
     linkage = TwoLink("l_2", "l_3")
     actuators = (
         carrier.joint,

@@ -18,7 +18,7 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward, Passive, Posture, SubLeg, VelocityEquations
 from krhpr.derivations.sublegs.carriers import leg_frame_geometry
 from krhpr.derivations.sublegs.two_link import outside, two_link
-from krhpr.derivations.terms import Joint, JointKind, Link, LinkKind, Space
+from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import dot
 
 SLIDES = (1, 2, 3)
@@ -72,7 +72,7 @@ class Tripteron(SubLeg):
         self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
     ) -> tuple[list[Any], list[Any]]:
         rho = self._rho(k, s)
-        return list(rho), [self._radicand(k, rho)]
+        return list(rho), self._radicands(k, rho)
 
     def _rho(self, k: KernelWriter, s: sp.Matrix) -> sp.Matrix:
         arm = k.let("arm", s - k.g.c, "s - c")
@@ -82,9 +82,10 @@ class Tripteron(SubLeg):
         """Squared distances from the slides to S_i."""
         return [rho[n % 3] ** 2 + rho[(n + 1) % 3] ** 2 for n in SLIDES]
 
-    def _radicand(self, k: KernelWriter, rho: sp.Matrix) -> Any:
+    def _radicands(self, k: KernelWriter, rho: sp.Matrix) -> list[Any]:
+        """4 l_2^2 l_3^2 sin^2 of the elbow's angle of each slide."""
         a, b = k.g.l_2, k.g.l_3
-        return k.minimum(*(((a + b) ** 2 - d2) * (d2 - (a - b) ** 2) for d2 in self._squares(rho)))
+        return [((a + b) ** 2 - d2) * (d2 - (a - b) ** 2) for d2 in self._squares(rho)]
 
     def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
         rho = self._rho(k, s)
@@ -101,7 +102,14 @@ class Tripteron(SubLeg):
         return {"rho": theta}
 
     def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
-        return VelocityEquations(self._axes(k), sp.eye(3), sp.eye(3), sp.Integer(1), ())
+        scale = 2 * k.g.l_2 * k.g.l_3
+        stretched = tuple(
+            Factor(
+                f"links_{n}", sp.sqrt(value) / scale, f"links of slide {n} aligned: the end of their reach"
+            )
+            for n, value in zip(SLIDES, self._radicands(k, at.rho), strict=True)
+        )
+        return VelocityEquations(self._axes(k), sp.eye(3), sp.eye(3), sp.Integer(1), (), others=stretched)
 
     def _links(self, k: KernelWriter, rho: sp.Matrix, number: int, *, elbow: bool) -> Any:
         x, y = rho[number % 3], rho[(number + 1) % 3]

@@ -90,7 +90,8 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_forward_batch(
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 2 x 3, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
 KRHPR_API int krhpr_planar_rrr_a_subleg_inverse(
@@ -185,7 +186,8 @@ KRHPR_API int krhpr_planar_rrr_a_jacobian_blocks_batch(
  *   in     redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  */
 KRHPR_API int krhpr_planar_rrr_a_inverse(
@@ -202,7 +204,8 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_batch(
  *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
  *   in     redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 2 x 3, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
 KRHPR_API int krhpr_planar_rrr_a_inverse_all(
@@ -222,7 +225,8 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_all_batch(
  *          clockwise from +z'
  *   in     theta_near (3 x 3, rad or m, joint frame): joints to stay near, the previous ones on a path
  *          [theta_1, theta_2, theta_3]
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3]
  */

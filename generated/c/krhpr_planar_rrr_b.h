@@ -88,7 +88,8 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_forward_batch(
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 2 x 3, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
 KRHPR_API int krhpr_planar_rrr_b_subleg_inverse(
@@ -182,7 +183,8 @@ KRHPR_API int krhpr_planar_rrr_b_jacobian_blocks_batch(
  *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
  *   in     redundant (3, m, joint frame): slide delta_i along t_i, from b_i, signed
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
  */
 KRHPR_API int krhpr_planar_rrr_b_inverse(
@@ -198,7 +200,8 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_batch(
  *   in     p (2, m, base frame): position of O'
  *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
  *   in     redundant (3, m, joint frame): slide delta_i along t_i, from b_i, signed
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 2 x 3, rad or m, joint frame): actuated joints in every working mode [elbow+, elbow-]
  */
 KRHPR_API int krhpr_planar_rrr_b_inverse_all(
@@ -217,7 +220,8 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all_batch(
  *   in     redundant (3, m, joint frame): slide delta_i along t_i, from b_i, signed
  *   in     theta_near (3 x 3, rad or m, joint frame): joints to stay near, the previous ones on a path
  *          [theta_1, theta_2, theta_3]
- *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    theta (3 x 3, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3]
  */

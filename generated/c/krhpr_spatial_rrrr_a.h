@@ -109,7 +109,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_forward_batch(
  * exist.  Thesis: App. B.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4 x 4, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
@@ -214,7 +214,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobian_blocks_batch(
  *          clockwise from +z'
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3, theta_4]
  */
 KRHPR_API int krhpr_spatial_rrrr_a_inverse(
@@ -233,7 +233,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_batch(
  *   in     redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4 x 4, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
@@ -256,7 +256,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all_batch(
  *   in     theta_near (3 x 4, rad or m, joint frame): joints to stay near, the previous ones on a path
  *          [theta_1, theta_2, theta_3, theta_4]
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3, theta_4]
  */

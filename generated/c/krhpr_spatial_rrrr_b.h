@@ -107,7 +107,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward_batch(
  * exist.  Thesis: App. B.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4 x 4, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
@@ -211,7 +211,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks_batch(
  *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3, theta_4]
  */
 KRHPR_API int krhpr_spatial_rrrr_b_inverse(
@@ -229,7 +229,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_batch(
  *   in     Q (3 x 3, base frame): orientation, base from platform
  *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4 x 4, rad or m, joint frame): actuated joints in every working mode [front/elbow+,
  *          front/elbow-, back/elbow+, back/elbow-]
  */
@@ -251,7 +251,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_batch(
  *   in     theta_near (3 x 4, rad or m, joint frame): joints to stay near, the previous ones on a path
  *          [theta_1, theta_2, theta_3, theta_4]
  *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
- *          farthest along e_1
+ *          farthest along e_1; NULL for the default
  *   out    theta (3 x 4, rad or m, joint frame): actuated joints, continued beyond +-pi [theta_1, theta_2,
  *          theta_3, theta_4]
  */

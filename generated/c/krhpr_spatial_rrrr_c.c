@@ -8,6 +8,7 @@
 #include "krhpr_algebra_spatial.h"
 
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
+static const double swivel_default[3] = {0.0};
 
 KRHPR_API int krhpr_spatial_rrrr_c_prepare(krhpr_spatial_rrrr_c_geometry *g)
 {
@@ -197,6 +198,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
+    if (swivel == NULL) {
+        swivel = swivel_default;
+    }
     if (!(krhpr_taint(s, 9) + krhpr_taint(swivel, 3) == 0.0)) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
@@ -252,7 +256,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_batch(
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_subleg_inverse(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -506,6 +510,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
+    if (swivel == NULL) {
+        swivel = swivel_default;
+    }
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
           krhpr_taint(swivel, 3) == 0.0)) {
         krhpr_fill_nan(theta, 12);
@@ -553,7 +560,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, in[4] + k * in_step[4], out[0] + k * out_step[0]);
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -568,6 +576,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
+    if (swivel == NULL) {
+        swivel = swivel_default;
+    }
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3) == 0.0)) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
@@ -625,7 +636,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -1122,6 +1133,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near(
 {
     const double turn = 6.283185307179586;
     double all[48];
+    if (swivel == NULL) {
+        swivel = swivel_default;
+    }
     int status = krhpr_spatial_rrrr_c_inverse_all(g, p, Q, redundant, swivel, all);
     krhpr_fill_nan(theta, 12);
     if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 12) == 0.0)) {
@@ -1159,7 +1173,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+            in[3] + k * in_step[3], in[4] ? in[4] + k * in_step[4] : NULL, out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

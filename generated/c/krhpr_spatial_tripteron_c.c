@@ -810,7 +810,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_singularity(
     double scale[6];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(type_1, 3);
-        krhpr_fill_nan(factors, 0);
+        krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
@@ -819,7 +819,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_singularity(
         double rho[3];
         double N[6];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_determinant(&g->subleg[i], &type_1[i]);
+        krhpr_subleg_tripteron_determinant(&g->subleg[i], rho, &type_1[i], factors + 3 * i);
         krhpr_platform_spatial_c_line(
             &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }

@@ -389,7 +389,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [rho_1, rho_2, rho_3]
  *   out    type_1 (3, mixed): det M_i
- *   out    factors (3 x 0): factors of det M_i ()
+ *   out    factors (3 x 3): factors of det M_i (links_1: links of slide 1 aligned: the end of their reach;
+ *          links_2: links of slide 2 aligned: the end of their reach; links_3: links of slide 3 aligned:
+ *          the end of their reach) [links_1, links_2, links_3]
  *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
  *   out    margins (2, mixed): det J_a (m) and det J_n (m^2): positive while all d_i > 0 [det J_a, det J_n]
  */
@@ -397,7 +399,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_singularity(
     const krhpr_spatial_tripteron_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
-/* Batch: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (0), type_2 (2), margins (2); steps count doubles (status: ints)
+/* Batch: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (9), type_2 (2), margins (2); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_tripteron_c_singularity_batch(
     const krhpr_spatial_tripteron_c_geometry *g, size_t count, const double *const in[],

@@ -23,12 +23,12 @@ typedef struct {
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction */
-    double k[13]; /* sub-expressions of the geometry alone, computed once */
+    double k[14]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_tripteron_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 23 multiply, 2 sine cosine, 1
- * select) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 24 multiply, 1 divide, 2 sine
+ * cosine, 1 select) */
 static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
@@ -55,16 +55,17 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     g->k[0] = t7 * t7;
     g->k[1] = t8 * t8;
     g->k[2] = fabs(t7);
-    g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = g->l_3 * g->l_3;
-    g->k[5] = -t2 * 0.5;
-    g->k[6] = -e_r_1 * 0.5;
-    g->k[7] = -t3 * 0.5;
-    g->k[8] = e_t_1 * 0.5;
-    g->k[9] = e_1_2 * 0.5;
-    g->k[10] = -t4 * 0.5;
-    g->k[11] = -t5 * 0.5;
-    g->k[12] = -t6 * 0.5;
+    g->k[3] = 1.0 / (g->l_2 * g->l_3);
+    g->k[4] = g->l_2 * g->l_2;
+    g->k[5] = g->l_3 * g->l_3;
+    g->k[6] = -t2 * 0.5;
+    g->k[7] = -e_r_1 * 0.5;
+    g->k[8] = -t3 * 0.5;
+    g->k[9] = e_t_1 * 0.5;
+    g->k[10] = e_1_2 * 0.5;
+    g->k[11] = -t4 * 0.5;
+    g->k[12] = -t5 * 0.5;
+    g->k[13] = -t6 * 0.5;
 }
 
 /* End point of the Tripteron sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8 multiply) */
@@ -242,12 +243,20 @@ static inline void krhpr_subleg_tripteron_rates(
     theta_dot[2] = v_l_2;
 }
 
-/* det M_i of the Tripteron sub-leg and its dimensionless factors: .  Thesis: 1.4.  (no operations) */
+/* det M_i of the Tripteron sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis: 1.4.
+ * (11 add, 12 multiply, 3 square root) */
 static inline void krhpr_subleg_tripteron_determinant(
-    const krhpr_subleg_tripteron_geometry *g, double *KRHPR_RESTRICT det_M)
+    const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT det_M,
+    double *KRHPR_RESTRICT factors)
 {
-    (void)(g);
+    const double t1 = rho[1] * rho[1];
+    const double t2 = rho[2] * rho[2];
+    const double t3 = rho[0] * rho[0];
+    const double t4 = g->k[1] - t3;
     *det_M = 1.0;
+    factors[0] = 0.5 * sqrt((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2)) * g->k[3];
+    factors[1] = g->k[3] * (0.5 * sqrt((t2 + t3 - g->k[0]) * (t4 - t2)));
+    factors[2] = g->k[3] * (0.5 * sqrt((t1 + t3 - g->k[0]) * (t4 - t1)));
 }
 
 /* Passive joints of the Tripteron sub-leg and the orientation of its last link.  (27 add, 18 multiply, 3
@@ -261,23 +270,23 @@ static inline void krhpr_subleg_tripteron_passive(
     const double d2_1 = t1 + t2;
     const double h2_1 = (d2_1 - g->k[0]) * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
     const double S_1 = sqrt(h2_1); /* 2 a b sin */
-    const double C_1 = d2_1 - g->k[3] - g->k[4]; /* 2 a b cos */
-    const double A_1 = d2_1 + g->k[3] - g->k[4]; /* 2 a (a + b cos) */
+    const double C_1 = d2_1 - g->k[4] - g->k[5]; /* 2 a b cos */
+    const double A_1 = d2_1 + g->k[4] - g->k[5]; /* 2 a (a + b cos) */
     const double n_1 = rho[1] * A_1 + rho[2] * S_1;
     const double m_1 = rho[2] * A_1 - rho[1] * S_1;
     const double t3 = rho[0] * rho[0];
     const double d2_2 = t2 + t3;
     const double h2_2 = (d2_2 - g->k[0]) * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double C_2 = d2_2 - g->k[3] - g->k[4]; /* 2 a b cos */
-    const double A_2 = g->k[3] + d2_2 - g->k[4]; /* 2 a (a + b cos) */
+    const double C_2 = d2_2 - g->k[4] - g->k[5]; /* 2 a b cos */
+    const double A_2 = g->k[4] + d2_2 - g->k[5]; /* 2 a (a + b cos) */
     const double n_2 = rho[2] * A_2 + rho[0] * S_2;
     const double m_2 = rho[0] * A_2 - rho[2] * S_2;
     const double d2_3 = t1 + t3;
     const double h2_3 = (d2_3 - g->k[0]) * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
     const double S_3 = sqrt(h2_3); /* 2 a b sin */
-    const double C_3 = d2_3 - g->k[3] - g->k[4]; /* 2 a b cos */
-    const double A_3 = g->k[3] + d2_3 - g->k[4]; /* 2 a (a + b cos) */
+    const double C_3 = d2_3 - g->k[4] - g->k[5]; /* 2 a b cos */
+    const double A_3 = g->k[4] + d2_3 - g->k[5]; /* 2 a (a + b cos) */
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
     link[0] = 1.0;
@@ -316,7 +325,7 @@ static inline void krhpr_subleg_tripteron_points(
     const double d2_1 = t1 + t2;
     const double h2_1 = (d2_1 - g->k[0]) * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
     const double S_1 = sqrt(h2_1); /* 2 a b sin */
-    const double A_1 = d2_1 + g->k[3] - g->k[4]; /* 2 a (a + b cos) */
+    const double A_1 = d2_1 + g->k[4] - g->k[5]; /* 2 a (a + b cos) */
     const double n_1 = rho[1] * A_1 + rho[2] * S_1;
     const double m_1 = rho[2] * A_1 - rho[1] * S_1;
     const double slider_2_0 = g->c[0] + g->e_1[0] * rho[1];
@@ -326,7 +335,7 @@ static inline void krhpr_subleg_tripteron_points(
     const double d2_2 = t2 + t3;
     const double h2_2 = (d2_2 - g->k[0]) * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = g->k[3] + d2_2 - g->k[4]; /* 2 a (a + b cos) */
+    const double A_2 = g->k[4] + d2_2 - g->k[5]; /* 2 a (a + b cos) */
     const double n_2 = rho[2] * A_2 + rho[0] * S_2;
     const double m_2 = rho[0] * A_2 - rho[2] * S_2;
     const double slider_3_0 = g->c[0] + g->e_t[0] * rho[2];
@@ -334,7 +343,7 @@ static inline void krhpr_subleg_tripteron_points(
     const double d2_3 = t1 + t3;
     const double h2_3 = (d2_3 - g->k[0]) * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
     const double S_3 = sqrt(h2_3); /* 2 a b sin */
-    const double A_3 = g->k[3] + d2_3 - g->k[4]; /* 2 a (a + b cos) */
+    const double A_3 = g->k[4] + d2_3 - g->k[5]; /* 2 a (a + b cos) */
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
     const double t4 = 1.0 / d2_1;
@@ -346,21 +355,21 @@ static inline void krhpr_subleg_tripteron_points(
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = slider_1_0 + n_1 * g->k[5] * t4 + t4 * (m_1 * g->k[6]);
-    points[7] = slider_1_1 + t4 * (n_1 * g->k[7]) + t4 * (m_1 * g->k[8]);
-    points[8] = slider_1_2 + t4 * (n_1 * g->k[9]);
+    points[6] = slider_1_0 + n_1 * g->k[6] * t4 + t4 * (m_1 * g->k[7]);
+    points[7] = slider_1_1 + t4 * (n_1 * g->k[8]) + t4 * (m_1 * g->k[9]);
+    points[8] = slider_1_2 + t4 * (n_1 * g->k[10]);
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = slider_2_0 + n_2 * g->k[6] * t5 + t5 * (m_2 * g->k[10]);
-    points[13] = slider_2_1 + t5 * (n_2 * g->k[8]) + t5 * (m_2 * g->k[11]);
-    points[14] = slider_2_2 + t5 * (m_2 * g->k[12]);
+    points[12] = slider_2_0 + n_2 * g->k[7] * t5 + t5 * (m_2 * g->k[11]);
+    points[13] = slider_2_1 + t5 * (n_2 * g->k[9]) + t5 * (m_2 * g->k[12]);
+    points[14] = slider_2_2 + t5 * (m_2 * g->k[13]);
     points[15] = slider_3_0;
     points[16] = slider_3_1;
     points[17] = g->c[2];
-    points[18] = slider_3_0 + m_3 * g->k[5] * t6 + t6 * (n_3 * g->k[10]);
-    points[19] = slider_3_1 + t6 * (m_3 * g->k[7]) + t6 * (n_3 * g->k[11]);
-    points[20] = g->c[2] + t6 * (m_3 * g->k[9]) + t6 * (n_3 * g->k[12]);
+    points[18] = slider_3_0 + m_3 * g->k[6] * t6 + t6 * (n_3 * g->k[11]);
+    points[19] = slider_3_1 + t6 * (m_3 * g->k[8]) + t6 * (n_3 * g->k[12]);
+    points[20] = g->c[2] + t6 * (m_3 * g->k[10]) + t6 * (n_3 * g->k[13]);
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];

@@ -525,7 +525,7 @@ def singularity(geometry: Any) -> Any:
         ),
         (
             rt.Port("type_1", (3,), "stacked"),
-            rt.Port("factors", (3, 0), "stacked"),
+            rt.Port("factors", (3, 3), "stacked"),
             rt.Port("type_2", (2,), "shared"),
             rt.Port("margins", (2,), "shared"),
         ),
@@ -538,8 +538,8 @@ def singularity(geometry: Any) -> Any:
     scale: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
-        _rho = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        type_1_i, factors_i = subleg.determinant(subleg.prepare(fields))
+        rho_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        type_1_i, factors_i = subleg.determinant(subleg.prepare(fields), rho_i)
         line_i, point_i, _N, scale_i = platform.line(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         type_1 += type_1_i

@@ -53,11 +53,11 @@ __all__ = [
 IDENTIFIER = "planar_fivebar_c"
 NOTATION = "3-[(RR-RRR)RP]"
 TITLE = "(RR-RRR) sub-legs, arrangement (c)"
-MODES = {
-    "elbow+/rod+": (1, 1,),
-    "elbow+/rod-": (1, -1,),
-    "elbow-/rod+": (-1, 1,),
-    "elbow-/rod-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "elbow+/rod+": (1, 1),
+    "elbow+/rod-": (1, -1),
+    "elbow-/rod+": (-1, 1),
+    "elbow-/rod-": (-1, -1),
 }
 DEFAULT_MODE = "elbow+/rod-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

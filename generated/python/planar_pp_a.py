@@ -52,8 +52,8 @@ __all__ = [
 IDENTIFIER = "planar_pp_a"
 NOTATION = "3-PPRR"
 TITLE = "PP sub-legs, arrangement (a)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -53,8 +53,8 @@ __all__ = [
 IDENTIFIER = "planar_pp_b"
 NOTATION = "3-PPRP"
 TITLE = "PP sub-legs, arrangement (b)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_pr_a"
 NOTATION = "3-PRRR"
 TITLE = "PR sub-legs, arrangement (a)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "ahead": (1,),
     "behind": (-1,),
 }

@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_pr_b"
 NOTATION = "3-PRRP"
 TITLE = "PR sub-legs, arrangement (b)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "ahead": (1,),
     "behind": (-1,),
 }

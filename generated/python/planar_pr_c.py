@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_pr_c"
 NOTATION = "3-PRRP"
 TITLE = "PR sub-legs, arrangement (c)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "ahead": (1,),
     "behind": (-1,),
 }

@@ -53,11 +53,11 @@ __all__ = [
 IDENTIFIER = "planar_prr2_c"
 NOTATION = "3-[(2-PRR)RP]"
 TITLE = "(2-PRR) sub-legs, arrangement (c)"
-MODES = {
-    "1-ahead/2-ahead": (1, 1,),
-    "1-ahead/2-behind": (1, -1,),
-    "1-behind/2-ahead": (-1, 1,),
-    "1-behind/2-behind": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "1-ahead/2-ahead": (1, 1),
+    "1-ahead/2-behind": (1, -1),
+    "1-behind/2-ahead": (-1, 1),
+    "1-behind/2-behind": (-1, -1),
 }
 DEFAULT_MODE = "1-ahead/2-ahead"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_rp_a"
 NOTATION = "3-RPRR"
 TITLE = "RP sub-legs, arrangement (a)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "rho+": (1,),
     "rho-": (-1,),
 }

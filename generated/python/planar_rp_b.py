@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_rp_b"
 NOTATION = "3-RPRP"
 TITLE = "RP sub-legs, arrangement (b)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "rho+": (1,),
     "rho-": (-1,),
 }

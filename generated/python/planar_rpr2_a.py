@@ -53,8 +53,8 @@ __all__ = [
 IDENTIFIER = "planar_rpr2_a"
 NOTATION = "3-[(2-RPR)RR]"
 TITLE = "(2-RPR) sub-legs, arrangement (a)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

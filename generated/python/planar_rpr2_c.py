@@ -53,8 +53,8 @@ __all__ = [
 IDENTIFIER = "planar_rpr2_c"
 NOTATION = "3-[(2-RPR)RP]"
 TITLE = "(2-RPR) sub-legs, arrangement (c)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

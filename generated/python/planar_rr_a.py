@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_rr_a"
 NOTATION = "3-RRRR"
 TITLE = "RR sub-legs, arrangement (a)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "elbow+": (1,),
     "elbow-": (-1,),
 }

@@ -53,7 +53,7 @@ __all__ = [
 IDENTIFIER = "planar_rr_b"
 NOTATION = "3-RRRP"
 TITLE = "RR sub-legs, arrangement (b)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "elbow+": (1,),
     "elbow-": (-1,),
 }

@@ -54,7 +54,7 @@ __all__ = [
 IDENTIFIER = "planar_rrr_b"
 NOTATION = "3-RRRRP"
 TITLE = "RRR sub-legs, arrangement (b)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "elbow+": (1,),
     "elbow-": (-1,),
 }
@@ -584,7 +584,7 @@ def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status:
 
 
 def subleg_inverse(
-    s: Any, swivel: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    s: Any, swivel: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode
     does not exist.
 
@@ -592,13 +592,16 @@ def subleg_inverse(
 
     Args:
         s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
-        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base
+        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base, the
+            default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
     Returns:
         theta (..., 3, 2, 3) [rad or m]: actuated joints in every working mode [elbow+, elbow-]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["subleg_inverse"], (s, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -779,7 +782,7 @@ def jacobian_blocks(
 
 
 def inverse(
-    p: Any, phi: Any, redundant: Any, mode: Any = None, swivel: Any, *,
+    p: Any, phi: Any, redundant: Any, mode: Any = None, swivel: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in one working mode for each leg.
 
@@ -790,7 +793,8 @@ def inverse(
         phi (...) [rad] in the base frame: orientation of the platform, base from platform
         redundant (..., 3) [m]: slide delta_i along t_i, from b_i, signed
         mode (..., 3, 1): signs of the working mode, +1 or -1 [elbow], the default unless given
-        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base
+        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base, the
+            default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -799,6 +803,8 @@ def inverse(
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["inverse"], (p, phi, redundant, mode, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -818,7 +824,7 @@ def inverse(
 
 
 def inverse_all(
-    p: Any, phi: Any, redundant: Any, swivel: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    p: Any, phi: Any, redundant: Any, swivel: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
     status: bool = False) -> Any:
     """Actuated joints in every working mode; NaN where a mode does not exist.
 
@@ -828,13 +834,16 @@ def inverse_all(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation of the platform, base from platform
         redundant (..., 3) [m]: slide delta_i along t_i, from b_i, signed
-        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base
+        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base, the
+            default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
     Returns:
         theta (..., 3, 2, 3) [rad or m]: actuated joints in every working mode [elbow+, elbow-]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["inverse_all"], (p, phi, redundant, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -854,7 +863,7 @@ def inverse_all(
 
 
 def inverse_near(
-    p: Any, phi: Any, redundant: Any, theta_near: Any, swivel: Any, *,
+    p: Any, phi: Any, redundant: Any, theta_near: Any, swivel: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.
 
@@ -866,7 +875,8 @@ def inverse_near(
         redundant (..., 3) [m]: slide delta_i along t_i, from b_i, signed
         theta_near (..., 3, 3) [rad or m]: joints to stay near, the previous ones on a path
             [theta_1, theta_2, theta_3]
-        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base
+        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base, the
+            default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -874,6 +884,8 @@ def inverse_near(
         theta (..., 3, 3) [rad or m]: actuated joints, continued beyond +-pi [theta_1, theta_2,
             theta_3]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     found, code = inverse_all(p, phi, redundant, swivel, geometry=geometry, status=True)
     arguments = rt.Arguments(SIGNATURES["inverse_near"], (p, phi, redundant, theta_near, swivel,))
     with rt.quiet():

@@ -165,7 +165,7 @@ class Arguments:
         return (*packed, status.astype(np.int32))
 
     def _pack(self, port: Port, parts: tuple[Any, ...]) -> Any:
-        dtype = np.result_type(*parts)
+        dtype = np.result_type(float, *parts)  # a constant may be an int
         if port.layout == "shared":
             whole = np.empty((*self.batch, len(parts)), dtype=dtype)
             for index, part in enumerate(parts):

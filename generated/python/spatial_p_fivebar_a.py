@@ -55,11 +55,11 @@ __all__ = [
 IDENTIFIER = "spatial_p_fivebar_a"
 NOTATION = "3-[P(RR-RRR)SR]"
 TITLE = "P(RR-RRR) sub-legs, arrangement (a)"
-MODES = {
-    "elbow+/rod+": (1, 1,),
-    "elbow+/rod-": (1, -1,),
-    "elbow-/rod+": (-1, 1,),
-    "elbow-/rod-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "elbow+/rod+": (1, 1),
+    "elbow+/rod-": (1, -1),
+    "elbow-/rod+": (-1, 1),
+    "elbow-/rod-": (-1, -1),
 }
 DEFAULT_MODE = "elbow-/rod-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -54,11 +54,11 @@ __all__ = [
 IDENTIFIER = "spatial_p_fivebar_b"
 NOTATION = "3-[P(RR-RRR)SP]"
 TITLE = "P(RR-RRR) sub-legs, arrangement (b)"
-MODES = {
-    "elbow+/rod+": (1, 1,),
-    "elbow+/rod-": (1, -1,),
-    "elbow-/rod+": (-1, 1,),
-    "elbow-/rod-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "elbow+/rod+": (1, 1),
+    "elbow+/rod-": (1, -1),
+    "elbow-/rod+": (-1, 1),
+    "elbow-/rod-": (-1, -1),
 }
 DEFAULT_MODE = "elbow-/rod-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -54,7 +54,7 @@ __all__ = [
 IDENTIFIER = "spatial_prr_a"
 NOTATION = "3-PRRSR"
 TITLE = "PRR sub-legs, arrangement (a)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "elbow+": (1,),
     "elbow-": (-1,),
 }

@@ -54,7 +54,7 @@ __all__ = [
 IDENTIFIER = "spatial_prr_b"
 NOTATION = "3-PRRSP"
 TITLE = "PRR sub-legs, arrangement (b)"
-MODES = {
+MODES: dict[str, tuple[int, ...]] = {
     "elbow+": (1,),
     "elbow-": (-1,),
 }

@@ -55,15 +55,15 @@ __all__ = [
 IDENTIFIER = "spatial_r_fivebar_a"
 NOTATION = "3-[R(RR-RRR)SR]"
 TITLE = "the flagship of Chapter 1"
-MODES = {
-    "front/elbow+/rod+": (1, 1, 1,),
-    "front/elbow+/rod-": (1, 1, -1,),
-    "front/elbow-/rod+": (1, -1, 1,),
-    "front/elbow-/rod-": (1, -1, -1,),
-    "back/elbow+/rod+": (-1, 1, 1,),
-    "back/elbow+/rod-": (-1, 1, -1,),
-    "back/elbow-/rod+": (-1, -1, 1,),
-    "back/elbow-/rod-": (-1, -1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "front/elbow+/rod+": (1, 1, 1),
+    "front/elbow+/rod-": (1, 1, -1),
+    "front/elbow-/rod+": (1, -1, 1),
+    "front/elbow-/rod-": (1, -1, -1),
+    "back/elbow+/rod+": (-1, 1, 1),
+    "back/elbow+/rod-": (-1, 1, -1),
+    "back/elbow-/rod+": (-1, -1, 1),
+    "back/elbow-/rod-": (-1, -1, -1),
 }
 DEFAULT_MODE = "front/elbow-/rod-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -54,15 +54,15 @@ __all__ = [
 IDENTIFIER = "spatial_r_fivebar_c"
 NOTATION = "3-[R(RR-RRR)SP]"
 TITLE = "R(RR-RRR) sub-legs, arrangement (c)"
-MODES = {
-    "front/elbow+/rod+": (1, 1, 1,),
-    "front/elbow+/rod-": (1, 1, -1,),
-    "front/elbow-/rod+": (1, -1, 1,),
-    "front/elbow-/rod-": (1, -1, -1,),
-    "back/elbow+/rod+": (-1, 1, 1,),
-    "back/elbow+/rod-": (-1, 1, -1,),
-    "back/elbow-/rod+": (-1, -1, 1,),
-    "back/elbow-/rod-": (-1, -1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "front/elbow+/rod+": (1, 1, 1),
+    "front/elbow+/rod-": (1, 1, -1),
+    "front/elbow-/rod+": (1, -1, 1),
+    "front/elbow-/rod-": (1, -1, -1),
+    "back/elbow+/rod+": (-1, 1, 1),
+    "back/elbow+/rod-": (-1, 1, -1),
+    "back/elbow-/rod+": (-1, -1, 1),
+    "back/elbow-/rod-": (-1, -1, -1),
 }
 DEFAULT_MODE = "front/elbow-/rod-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

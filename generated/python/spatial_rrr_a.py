@@ -55,11 +55,11 @@ __all__ = [
 IDENTIFIER = "spatial_rrr_a"
 NOTATION = "3-RRRSR"
 TITLE = "RRR sub-legs, arrangement (a)"
-MODES = {
-    "front/elbow+": (1, 1,),
-    "front/elbow-": (1, -1,),
-    "back/elbow+": (-1, 1,),
-    "back/elbow-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "front/elbow+": (1, 1),
+    "front/elbow-": (1, -1),
+    "back/elbow+": (-1, 1),
+    "back/elbow-": (-1, -1),
 }
 DEFAULT_MODE = "front/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -54,11 +54,11 @@ __all__ = [
 IDENTIFIER = "spatial_rrr_b"
 NOTATION = "3-RRRSP"
 TITLE = "RRR sub-legs, arrangement (b)"
-MODES = {
-    "front/elbow+": (1, 1,),
-    "front/elbow-": (1, -1,),
-    "back/elbow+": (-1, 1,),
-    "back/elbow-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "front/elbow+": (1, 1),
+    "front/elbow-": (1, -1),
+    "back/elbow+": (-1, 1),
+    "back/elbow-": (-1, -1),
 }
 DEFAULT_MODE = "front/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -55,11 +55,11 @@ __all__ = [
 IDENTIFIER = "spatial_rrrr_a"
 NOTATION = "3-4RSR"
 TITLE = "4R sub-legs, arrangement (a)"
-MODES = {
-    "front/elbow+": (1, 1,),
-    "front/elbow-": (1, -1,),
-    "back/elbow+": (-1, 1,),
-    "back/elbow-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "front/elbow+": (1, 1),
+    "front/elbow-": (1, -1),
+    "back/elbow+": (-1, 1),
+    "back/elbow-": (-1, -1),
 }
 DEFAULT_MODE = "back/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
@@ -627,7 +627,7 @@ def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status:
 
 
 def subleg_inverse(
-    s: Any, swivel: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    s: Any, swivel: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode
     does not exist.
 
@@ -636,7 +636,7 @@ def subleg_inverse(
     Args:
         s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -644,6 +644,8 @@ def subleg_inverse(
         theta (..., 3, 4, 4) [rad or m]: actuated joints in every working mode [front/elbow+,
             front/elbow-, back/elbow+, back/elbow-]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["subleg_inverse"], (s, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -822,7 +824,7 @@ def jacobian_blocks(
 
 
 def inverse(
-    p: Any, Q: Any, redundant: Any, mode: Any = None, swivel: Any, *,
+    p: Any, Q: Any, redundant: Any, mode: Any = None, swivel: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in one working mode for each leg.
 
@@ -836,7 +838,7 @@ def inverse(
         mode (..., 3, 2): signs of the working mode, +1 or -1 [shoulder, elbow], the default
             unless given
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -845,6 +847,8 @@ def inverse(
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["inverse"], (p, Q, redundant, mode, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -863,7 +867,7 @@ def inverse(
 
 
 def inverse_all(
-    p: Any, Q: Any, redundant: Any, swivel: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    p: Any, Q: Any, redundant: Any, swivel: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
     status: bool = False) -> Any:
     """Actuated joints in every working mode; NaN where a mode does not exist.
 
@@ -875,7 +879,7 @@ def inverse_all(
         redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
             clockwise from +z'
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -883,6 +887,8 @@ def inverse_all(
         theta (..., 3, 4, 4) [rad or m]: actuated joints in every working mode [front/elbow+,
             front/elbow-, back/elbow+, back/elbow-]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["inverse_all"], (p, Q, redundant, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -901,7 +907,7 @@ def inverse_all(
 
 
 def inverse_near(
-    p: Any, Q: Any, redundant: Any, theta_near: Any, swivel: Any, *,
+    p: Any, Q: Any, redundant: Any, theta_near: Any, swivel: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.
 
@@ -915,7 +921,7 @@ def inverse_near(
         theta_near (..., 3, 4) [rad or m]: joints to stay near, the previous ones on a path
             [theta_1, theta_2, theta_3, theta_4]
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -923,6 +929,8 @@ def inverse_near(
         theta (..., 3, 4) [rad or m]: actuated joints, continued beyond +-pi [theta_1, theta_2,
             theta_3, theta_4]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     found, code = inverse_all(p, Q, redundant, swivel, geometry=geometry, status=True)
     arguments = rt.Arguments(SIGNATURES["inverse_near"], (p, Q, redundant, theta_near, swivel,))
     with rt.quiet():

@@ -55,11 +55,11 @@ __all__ = [
 IDENTIFIER = "spatial_rrrr_c"
 NOTATION = "3-4RSP"
 TITLE = "4R sub-legs, arrangement (c)"
-MODES = {
-    "front/elbow+": (1, 1,),
-    "front/elbow-": (1, -1,),
-    "back/elbow+": (-1, 1,),
-    "back/elbow-": (-1, -1,),
+MODES: dict[str, tuple[int, ...]] = {
+    "front/elbow+": (1, 1),
+    "front/elbow-": (1, -1),
+    "back/elbow+": (-1, 1),
+    "back/elbow-": (-1, -1),
 }
 DEFAULT_MODE = "back/elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
@@ -619,7 +619,7 @@ def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status:
 
 
 def subleg_inverse(
-    s: Any, swivel: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    s: Any, swivel: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode
     does not exist.
 
@@ -628,7 +628,7 @@ def subleg_inverse(
     Args:
         s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -636,6 +636,8 @@ def subleg_inverse(
         theta (..., 3, 4, 4) [rad or m]: actuated joints in every working mode [front/elbow+,
             front/elbow-, back/elbow+, back/elbow-]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["subleg_inverse"], (s, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -814,7 +816,7 @@ def jacobian_blocks(
 
 
 def inverse(
-    p: Any, Q: Any, redundant: Any, mode: Any = None, swivel: Any, *,
+    p: Any, Q: Any, redundant: Any, mode: Any = None, swivel: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in one working mode for each leg.
 
@@ -827,7 +829,7 @@ def inverse(
         mode (..., 3, 2): signs of the working mode, +1 or -1 [shoulder, elbow], the default
             unless given
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -836,6 +838,8 @@ def inverse(
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["inverse"], (p, Q, redundant, mode, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -854,7 +858,7 @@ def inverse(
 
 
 def inverse_all(
-    p: Any, Q: Any, redundant: Any, swivel: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    p: Any, Q: Any, redundant: Any, swivel: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
     status: bool = False) -> Any:
     """Actuated joints in every working mode; NaN where a mode does not exist.
 
@@ -865,7 +869,7 @@ def inverse_all(
         Q (..., 3, 3) in the base frame: orientation, base from platform
         redundant (..., 3) [m]: slide d_i of S_i along t_i = e_r, from O', signed
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -873,6 +877,8 @@ def inverse_all(
         theta (..., 3, 4, 4) [rad or m]: actuated joints in every working mode [front/elbow+,
             front/elbow-, back/elbow+, back/elbow-]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     arguments = rt.Arguments(SIGNATURES["inverse_all"], (p, Q, redundant, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
@@ -891,7 +897,7 @@ def inverse_all(
 
 
 def inverse_near(
-    p: Any, Q: Any, redundant: Any, theta_near: Any, swivel: Any, *,
+    p: Any, Q: Any, redundant: Any, theta_near: Any, swivel: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.
 
@@ -904,7 +910,7 @@ def inverse_near(
         theta_near (..., 3, 4) [rad or m]: joints to stay near, the previous ones on a path
             [theta_1, theta_2, theta_3, theta_4]
         swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
-            farthest along e_1
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -912,6 +918,8 @@ def inverse_near(
         theta (..., 3, 4) [rad or m]: actuated joints, continued beyond +-pi [theta_1, theta_2,
             theta_3, theta_4]
     """
+    if swivel is None:
+        swivel = (0.0,) * 3
     found, code = inverse_all(p, Q, redundant, swivel, geometry=geometry, status=True)
     arguments = rt.Arguments(SIGNATURES["inverse_near"], (p, Q, redundant, theta_near, swivel,))
     with rt.quiet():

@@ -54,8 +54,8 @@ __all__ = [
 IDENTIFIER = "spatial_tripteron_a"
 NOTATION = "3-TripteronSR"
 TITLE = "Tripteron sub-legs, arrangement (a)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
@@ -120,6 +120,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("beta", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'"),
     ),
     "singular factors": (
+        ("links_1", "links of slide 1 aligned: the end of their reach"),
+        ("links_2", "links of slide 2 aligned: the end of their reach"),
+        ("links_3", "links of slide 3 aligned: the end of their reach"),
     ),
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
@@ -444,11 +447,11 @@ SIGNATURES = {
         ),
         (
             rt.Port("type_1", (3,), "mixed", "-", "det M_i", "stacked", ()),
-            rt.Port("factors", (3, 0), "1", "-", "factors of det M_i ()", "stacked", ()),
+            rt.Port("factors", (3, 3), "1", "-", "factors of det M_i (links_1: links of slide 1 aligned: the end of their reach; links_2: links of slide 2 aligned: the end of their reach; links_3: links of slide 3 aligned: the end of their reach)", "stacked", ("links_1", "links_2", "links_3", )),
             rt.Port("type_2", (2,), "mixed", "platform", "factors of det J", "shared", ("det J_a", "det J_n", )),
             rt.Port("margins", (2,), "mixed", "-", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg", "shared", ("det J_a", "det J_n", )),
         ),
-        "(3),(3,3),(3,3),(3,3)->(3),(3,0),(2),(2),()",
+        "(3),(3,3),(3,3),(3,3)->(3),(3,3),(2),(2),()",
     ),
 }
 
@@ -1176,7 +1179,9 @@ def singularity(
 
     Returns:
         type_1 (..., 3) [mixed]: det M_i
-        factors (..., 3, 0): factors of det M_i ()
+        factors (..., 3, 3): factors of det M_i (links_1: links of slide 1 aligned: the end of
+            their reach; links_2: links of slide 2 aligned: the end of their reach; links_3: links
+            of slide 3 aligned: the end of their reach) [links_1, links_2, links_3]
         type_2 (..., 2) [mixed] in the platform frame: factors of det J [det J_a, det J_n]
         margins (..., 2) [mixed]: -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of
             R_p: positive for beta in (30, 150) deg [det J_a, det J_n]
@@ -1184,8 +1189,8 @@ def singularity(
     arguments = rt.Arguments(SIGNATURES["singularity"], (p, Q, s, theta,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        _rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        type_1, factors = subleg.determinant(g.subleg)
+        rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        type_1, factors = subleg.determinant(g.subleg, rho)
         line, point, _N, scale = platform.line(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))

@@ -54,8 +54,8 @@ __all__ = [
 IDENTIFIER = "spatial_ups3_a"
 NOTATION = "3-3-UPSSR"
 TITLE = "3-UPS sub-legs, arrangement (a)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

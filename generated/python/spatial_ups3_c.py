@@ -54,8 +54,8 @@ __all__ = [
 IDENTIFIER = "spatial_ups3_c"
 NOTATION = "3-3-UPSSP"
 TITLE = "3-UPS sub-legs, arrangement (c)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

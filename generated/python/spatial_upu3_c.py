@@ -55,8 +55,8 @@ __all__ = [
 IDENTIFIER = "spatial_upu3_c"
 NOTATION = "3-3-UPUSP"
 TITLE = "3-UPU sub-legs, arrangement (c)"
-MODES = {
-    "only": (,),
+MODES: dict[str, tuple[int, ...]] = {
+    "only": (),
 }
 DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {

@@ -47,7 +47,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-t4, -t5, -t6,),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(t7 * t7, t8 * t8, np.abs(t7), l_2 * l_2, l_3 * l_3, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
+        k=(t7 * t7, t8 * t8, np.abs(t7), 1 / (l_2 * l_3), l_2 * l_2, l_3 * l_3, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
     )
 
 
@@ -246,13 +246,22 @@ def rates(g: Any, s_dot: Any) -> tuple[Any, ...]:
     )
 
 
-def determinant(g: Any) -> tuple[Any, ...]:
-    """det M_i of the Tripteron sub-leg and its dimensionless factors: .  Thesis: 1.4.  (no operations)"""
+def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
+    """det M_i of the Tripteron sub-leg and its dimensionless factors: links_1, links_2, links_3.
+    Thesis: 1.4.  (11 add, 12 multiply, 3 square root)"""
+    rho_0, rho_1, rho_2 = rho
+    t1 = rho_1 * rho_1
+    t2 = rho_2 * rho_2
+    t3 = rho_0 * rho_0
+    t4 = g.k[1] - t3
     return (
         (  # det_M
             1,
         ),
         (  # factors
+            0.5 * np.sqrt((t1 + t2 - g.k[0]) * (g.k[1] - t1 - t2)) * g.k[3],
+            g.k[3] * (0.5 * np.sqrt((t2 + t3 - g.k[0]) * (t4 - t2))),
+            g.k[3] * (0.5 * np.sqrt((t1 + t3 - g.k[0]) * (t4 - t1))),
         ),
     )
 
@@ -266,23 +275,23 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
     d2_1 = t1 + t2
     h2_1 = (d2_1 - g.k[0]) * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
     S_1 = np.sqrt(h2_1)  # 2 a b sin
-    C_1 = d2_1 - g.k[3] - g.k[4]  # 2 a b cos
-    A_1 = d2_1 + g.k[3] - g.k[4]  # 2 a (a + b cos)
+    C_1 = d2_1 - g.k[4] - g.k[5]  # 2 a b cos
+    A_1 = d2_1 + g.k[4] - g.k[5]  # 2 a (a + b cos)
     n_1 = rho_1 * A_1 + rho_2 * S_1
     m_1 = rho_2 * A_1 - rho_1 * S_1
     t3 = rho_0 * rho_0
     d2_2 = t2 + t3
     h2_2 = (d2_2 - g.k[0]) * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = np.sqrt(h2_2)  # 2 a b sin
-    C_2 = d2_2 - g.k[3] - g.k[4]  # 2 a b cos
-    A_2 = g.k[3] + d2_2 - g.k[4]  # 2 a (a + b cos)
+    C_2 = d2_2 - g.k[4] - g.k[5]  # 2 a b cos
+    A_2 = g.k[4] + d2_2 - g.k[5]  # 2 a (a + b cos)
     n_2 = rho_2 * A_2 + rho_0 * S_2
     m_2 = rho_0 * A_2 - rho_2 * S_2
     d2_3 = t1 + t3
     h2_3 = (d2_3 - g.k[0]) * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
     S_3 = np.sqrt(h2_3)  # 2 a b sin
-    C_3 = d2_3 - g.k[3] - g.k[4]  # 2 a b cos
-    A_3 = g.k[3] + d2_3 - g.k[4]  # 2 a (a + b cos)
+    C_3 = d2_3 - g.k[4] - g.k[5]  # 2 a b cos
+    A_3 = g.k[4] + d2_3 - g.k[5]  # 2 a (a + b cos)
     n_3 = rho_0 * A_3 + rho_1 * S_3
     m_3 = rho_1 * A_3 - rho_0 * S_3
     return (
@@ -321,7 +330,7 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     d2_1 = t1 + t2
     h2_1 = (d2_1 - g.k[0]) * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
     S_1 = np.sqrt(h2_1)  # 2 a b sin
-    A_1 = d2_1 + g.k[3] - g.k[4]  # 2 a (a + b cos)
+    A_1 = d2_1 + g.k[4] - g.k[5]  # 2 a (a + b cos)
     n_1 = rho_1 * A_1 + rho_2 * S_1
     m_1 = rho_2 * A_1 - rho_1 * S_1
     slider_2_0 = g.c[0] + g.e_1[0] * rho_1
@@ -331,7 +340,7 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     d2_2 = t2 + t3
     h2_2 = (d2_2 - g.k[0]) * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = np.sqrt(h2_2)  # 2 a b sin
-    A_2 = g.k[3] + d2_2 - g.k[4]  # 2 a (a + b cos)
+    A_2 = g.k[4] + d2_2 - g.k[5]  # 2 a (a + b cos)
     n_2 = rho_2 * A_2 + rho_0 * S_2
     m_2 = rho_0 * A_2 - rho_2 * S_2
     slider_3_0 = g.c[0] + g.e_t[0] * rho_2
@@ -339,7 +348,7 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     d2_3 = t1 + t3
     h2_3 = (d2_3 - g.k[0]) * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
     S_3 = np.sqrt(h2_3)  # 2 a b sin
-    A_3 = g.k[3] + d2_3 - g.k[4]  # 2 a (a + b cos)
+    A_3 = g.k[4] + d2_3 - g.k[5]  # 2 a (a + b cos)
     n_3 = rho_0 * A_3 + rho_1 * S_3
     m_3 = rho_1 * A_3 - rho_0 * S_3
     t4 = 1 / d2_1
@@ -352,21 +361,21 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
         slider_1_0,
         slider_1_1,
         slider_1_2,
-        slider_1_0 + n_1 * g.k[5] * t4 + t4 * (m_1 * g.k[6]),
-        slider_1_1 + t4 * (n_1 * g.k[7]) + t4 * (m_1 * g.k[8]),
-        slider_1_2 + t4 * (n_1 * g.k[9]),
+        slider_1_0 + n_1 * g.k[6] * t4 + t4 * (m_1 * g.k[7]),
+        slider_1_1 + t4 * (n_1 * g.k[8]) + t4 * (m_1 * g.k[9]),
+        slider_1_2 + t4 * (n_1 * g.k[10]),
         slider_2_0,
         slider_2_1,
         slider_2_2,
-        slider_2_0 + n_2 * g.k[6] * t5 + t5 * (m_2 * g.k[10]),
-        slider_2_1 + t5 * (n_2 * g.k[8]) + t5 * (m_2 * g.k[11]),
-        slider_2_2 + t5 * (m_2 * g.k[12]),
+        slider_2_0 + n_2 * g.k[7] * t5 + t5 * (m_2 * g.k[11]),
+        slider_2_1 + t5 * (n_2 * g.k[9]) + t5 * (m_2 * g.k[12]),
+        slider_2_2 + t5 * (m_2 * g.k[13]),
         slider_3_0,
         slider_3_1,
         g.c[2],
-        slider_3_0 + m_3 * g.k[5] * t6 + t6 * (n_3 * g.k[10]),
-        slider_3_1 + t6 * (m_3 * g.k[7]) + t6 * (n_3 * g.k[11]),
-        g.c[2] + t6 * (m_3 * g.k[9]) + t6 * (n_3 * g.k[12]),
+        slider_3_0 + m_3 * g.k[6] * t6 + t6 * (n_3 * g.k[11]),
+        slider_3_1 + t6 * (m_3 * g.k[8]) + t6 * (n_3 * g.k[12]),
+        g.c[2] + t6 * (m_3 * g.k[10]) + t6 * (n_3 * g.k[13]),
         s_0,
         s_1,
         s_2,

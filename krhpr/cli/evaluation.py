@@ -23,7 +23,12 @@ if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Signature
     from krhpr.robot import Robot
 
-_ZERO_UNLESS_GIVEN = {("joint_rates", "redundant_rates"), ("joint_accelerations", "redundant_accelerations")}
+_ZERO_UNLESS_GIVEN = {
+    ("joint_rates", "redundant_rates"),
+    ("joint_rates", "swivel_rates"),
+    ("joint_accelerations", "redundant_accelerations"),
+    ("joint_accelerations", "swivel_accelerations"),
+}
 
 
 def run(options: argparse.Namespace) -> int:
@@ -56,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _is_optional(function: str, argument: str) -> bool:
-    return argument in ("mode", "assembly") or (function, argument) in _ZERO_UNLESS_GIVEN
+    return argument in ("mode", "assembly", "swivel") or (function, argument) in _ZERO_UNLESS_GIVEN
 
 
 def _with_geometry(robot: Robot, settings: Sequence[str]) -> Robot:

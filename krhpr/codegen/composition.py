@@ -118,6 +118,10 @@ class Call:
         return self.outputs.get(port, port)
 
 
+OPTIONAL_INPUTS = ("mode", "assembly", "swivel")
+"""Inputs that have a default: the working mode, the assembly mode, and a swivel of zero."""
+
+
 @dataclass(frozen=True)
 class Guard:
     """A value that must keep a limit; where it does not (or is NaN) the answer is NaN and the status says
@@ -252,6 +256,11 @@ class RobotCode:
     def parts(self) -> dict[str, Part]:
         """Its parts by the names that calls use."""
         return {"subleg": self.subleg, "platform": self.platform, "algebra": self.algebra}
+
+    @property
+    def has_swivel(self) -> bool:
+        """Whether its sub-legs are redundant."""
+        return any(port.name == "swivel" for function in self.functions for port in function.inputs)
 
     def function(self, name: str) -> RobotFunction:
         """A function by name."""

@@ -114,6 +114,15 @@ class GeometryType:
     fields: tuple[GeometryField, ...]
     prepare: Kernel
 
+    def __post_init__(self) -> None:
+        scalars = [port.name for port in self.prepare.outputs if not port.shape]
+        if scalars:
+            raise ValueError(
+                f"{self.name}: {', '.join(scalars)} of its prepared values has no dimension; prepare "
+                "vectors and "
+                "matrices, for what kernels compute of the geometry alone is prepared by itself"
+            )
+
     def field(self, name: str) -> GeometryField:
         """A field by name."""
         return next(entry for entry in self.fields if entry.name == name)

@@ -73,9 +73,9 @@
 #else
 static const krhpr_spatial_tripteron_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.0, 0.36, 0.0, 0.09, 0.09, 0.2499999999999999, 0.0, 0.0, 0.5, 0.43301270189221935, -0.43301270189221935, 0.0, 0.2499999999999999} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.0, 0.36, 0.0, 0.09, 0.09, -0.1249999999999999, -0.43301270189221935, 0.2165063509461096, -0.2499999999999999, 0.43301270189221935, 0.2165063509461096, -0.3750000000000001, 0.2499999999999999} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.0, 0.36, 0.0, 0.09, 0.09, -0.12500000000000006, 0.4330127018922192, -0.2165063509461095, -0.2500000000000002, 0.43301270189221935, 0.21650635094610987, 0.37499999999999994, 0.2499999999999999} }
+        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.0, 0.36, 0.0, 11.111111111111112, 0.09, 0.09, 0.2499999999999999, 0.0, 0.0, 0.5, 0.43301270189221935, -0.43301270189221935, 0.0, 0.2499999999999999} },
+        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.0, 0.36, 0.0, 11.111111111111112, 0.09, 0.09, -0.1249999999999999, -0.43301270189221935, 0.2165063509461096, -0.2499999999999999, 0.43301270189221935, 0.2165063509461096, -0.3750000000000001, 0.2499999999999999} },
+        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.0, 0.36, 0.0, 11.111111111111112, 0.09, 0.09, -0.12500000000000006, 0.4330127018922192, -0.2165063509461095, -0.2500000000000002, 0.43301270189221935, 0.21650635094610987, 0.37499999999999994, 0.2499999999999999} }
     },
     .platform = {
         { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0} },
@@ -111,100 +111,100 @@ static const casadi_int P16[3] = {3, 6, 1};
 static const casadi_int P17[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P18[3] = {8, 3, 1};
 static const casadi_int P19[6] = {8, 3, 0, 0, 0, 0};
-static const casadi_int P20[3] = {3, 0, 0};
-static const casadi_int P21[3] = {2, 1, 1};
-static const casadi_int P22[4] = {2, 1, 0, 0};
-static const casadi_int P23[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P24[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P20[3] = {2, 1, 1};
+static const casadi_int P21[4] = {2, 1, 0, 0};
+static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P23[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P25[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P26[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P25[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P27[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P28[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P27[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 1, 4, 2, 5};
-static const casadi_int P29[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P30[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P31[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P32[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P33[3] = {6, 3, 1};
-static const casadi_int P34[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P28[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P29[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P30[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P31[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P32[3] = {6, 3, 1};
+static const casadi_int P33[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P35[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P34[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P36[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P35[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P37[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P36[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P38[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P37[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P39[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P40[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P38[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P39[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 0, 6, 20, 26, 40, 46};
-static const casadi_int P41[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P40[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46,
     52, 0, 6, 20, 26, 40, 46, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 21, 27, 41, 47};
-static const casadi_int P42[36] = {54, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P41[36] = {54, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46};
-static const casadi_int P43[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P44[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P45[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
+static const casadi_int P42[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P43[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P44[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
     4, 0, 2, 1, 3, 5, 1, 3, 5, 1, 3};
-static const casadi_int P46[20] = {6, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P47[20] = {6, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P48[20] = {6, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P49[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
+static const casadi_int P45[20] = {6, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P46[20] = {6, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P47[20] = {6, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P48[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P50[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P49[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5};
-static const casadi_int P51[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P52[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
+static const casadi_int P50[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P51[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
     2, 0, 1};
-static const casadi_int P53[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P54[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P55[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P56[3] = {6, 9, 1};
-static const casadi_int P57[3] = {9, 3, 1};
-static const casadi_int P58[3] = {9, 9, 1};
-static const casadi_int P59[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P52[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P53[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P54[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P55[3] = {6, 9, 1};
+static const casadi_int P56[3] = {9, 3, 1};
+static const casadi_int P57[3] = {9, 9, 1};
+static const casadi_int P58[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P60[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P59[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P61[3] = {9, 6, 1};
-static const casadi_int P62[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P63[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P64[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
+static const casadi_int P60[3] = {9, 6, 1};
+static const casadi_int P61[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P62[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P63[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
     14, 17, 0, 3, 12, 15, 1, 4, 13, 16, 2, 5, 14, 17, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P65[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P66[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P64[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P65[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P67[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P66[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P68[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P67[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P69[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P68[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P70[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[6] = {24, 3, 0, 0, 0, 0};
-static const casadi_int P72[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P73[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
-static const casadi_int P74[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P69[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P70[6] = {24, 3, 0, 0, 0, 0};
+static const casadi_int P71[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P72[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
+static const casadi_int P73[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P75[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
-static const casadi_int P76[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P74[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
+static const casadi_int P75[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P77[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
-static const casadi_int P78[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P76[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
+static const casadi_int P77[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P79[6] = {0, 3, 0, 0, 0, 0};
-static const casadi_int P80[12] = {0, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P81[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P82[3] = {2, 9, 1};
-static const casadi_int P83[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P79[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
+    3, 1, 4, 2, 5};
+static const casadi_int P80[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P81[3] = {2, 9, 1};
+static const casadi_int P82[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -251,7 +251,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P23, P24, P25
+    P22, P23, P24
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -289,7 +289,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P26, P27
+    P0, P25, P26
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -323,7 +323,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P28
+    P27
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -359,7 +359,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P29, P30, P31
+    P28, P29, P30
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -395,7 +395,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P32, P32, P32, P32, P32
+    P31, P31, P31, P31, P31, P31
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -433,7 +433,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P33, P34, P35
+    P32, P33, P34
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -476,7 +476,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P36, P37, P38, P39, P40, P41, P42, P43
+    P35, P36, P37, P38, P39, P40, P41, P42
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -521,7 +521,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P36, P37, P38, P39, P44, P45, P46, P13, P44, P45, P47, P13, P44, P45, P48, P13
+    P35, P36, P37, P38, P43, P44, P45, P13, P43, P44, P46, P13, P43, P44, P47, P13
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -562,7 +562,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P49, P50, P25
+    P48, P49, P24
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -604,7 +604,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P51, P52, P53, P51, P52, P54, P51, P52, P55
+    P50, P51, P52, P50, P51, P53, P50, P51, P54
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -677,7 +677,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P33, P56, P56, P13, P56
+    P32, P55, P55, P13, P55
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -723,7 +723,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P57, P58, P59, P32, P60, P25
+    P56, P57, P58, P31, P59, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -790,7 +790,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P33, P56, P56, P13, P10, P56, P56
+    P32, P55, P55, P13, P10, P55, P55
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -852,7 +852,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P57, P58, P59, P32, P61, P25, P32, P60, P25
+    P56, P57, P58, P31, P60, P24, P31, P59, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -907,7 +907,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P62, P63, P63, P64, P65, P66, P67, P32, P65, P66, P68, P32, P65, P66, P69, P32, P0, P26, P27, P70
+    P61, P62, P62, P63, P64, P65, P66, P31, P64, P65, P67, P31, P64, P65, P68, P31, P0, P25, P26, P69
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -957,7 +957,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P71, P72, P73, P74, P71, P72, P75, P76, P71, P72, P77, P78, P23, P24, P32, P32
+    P70, P71, P72, P73, P70, P71, P74, P75, P70, P71, P76, P77, P22, P23, P31, P31
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -974,7 +974,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
 
 static int value_singularity(const double *x, double *y)
 {
-    return plain_singularity(&geometry, x, x + 3, x + 12, x + 21, y, y + 3, y + 3, y + 5);
+    return plain_singularity(&geometry, x, x + 3, x + 12, x + 21, y, y + 3, y + 12, y + 14);
 }
 
 static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
@@ -982,16 +982,19 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const p = given;
     const krhpr_dual *const Q = given + 3;
     const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
     krhpr_dual *const type_1 = found;
     krhpr_dual *const factors = found + 3;
-    krhpr_dual *const type_2 = found + 3;
-    krhpr_dual *const margins = found + 5;
+    krhpr_dual *const type_2 = found + 12;
+    krhpr_dual *const margins = found + 14;
     krhpr_dual line[18];
     krhpr_dual point[6];
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
+        krhpr_dual rho[3];
         krhpr_dual N[6];
-        krhpr_subleg_tripteron_determinant_tangent(&geometry.subleg[i], type_1 + i, factors + i);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_determinant_tangent(&geometry.subleg[i], rho, type_1 + i, factors + 3 * i);
         krhpr_platform_spatial_a_line_tangent(
             &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
@@ -1006,12 +1009,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 0, 1, NULL, P20, P20},
-    {"out_type_2", 2, 1, 1, NULL, P21, P22},
-    {"out_margins", 2, 1, 1, NULL, P21, P22},
+    {"out_factors", 3, 3, 1, NULL, P0, P1},
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P70, P70, P70, P79, P80, P80, P80, P14, P81, P82, P83, P14, P81, P82, P83
+    P1, P69, P69, P69, P78, P31, P31, P79, P14, P80, P81, P82, P14, P80, P81, P82
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

@@ -7,6 +7,7 @@ from math import prod
 
 from krhpr.codegen.composition import (
     LEG_STATUSES,
+    OPTIONAL_INPUTS,
     Call,
     Guard,
     Relation,
@@ -135,7 +136,7 @@ def prototype(robot: RobotCode, function: RobotFunction) -> dict[str, object]:
 
 
 def _optional_remark(port: Port) -> str:
-    return "; NULL for the default" if port.name in ("mode", "assembly") else ""
+    return "; NULL for the default" if port.name in OPTIONAL_INPUTS else ""
 
 
 def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
@@ -156,9 +157,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         parameters=tuple(_full_parameter(port) for port in function.inputs)
         + tuple(_full_parameter(port, output=True) for port in function.outputs),
         optional=tuple(
-            (port.name, f"{port.name}_default")
-            for port in function.inputs
-            if port.name in ("mode", "assembly")
+            (port.name, f"{port.name}_default") for port in function.inputs if port.name in OPTIONAL_INPUTS
         ),
         finite=tuple((_address(port), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
@@ -361,7 +360,7 @@ def batch_arguments(function: RobotFunction) -> list[str]:
 
 def _batch_input(port: Port, index: int) -> str:
     element = f"in[{index}] + k * in_step[{index}]"
-    if port.name in ("mode", "assembly"):
+    if port.name in OPTIONAL_INPUTS:
         return f"in[{index}] ? {element} : NULL"
     return element if port.full_shape else f"*({element})"
 

@@ -106,7 +106,7 @@ def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
 def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
     read = function.read(robot.parts, guards=True)
-    optional = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]"}
+    optional = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
     present = [port.name for port in function.inputs if port.name in optional]
     return {
         "name": function.name,
