@@ -9,6 +9,7 @@ from krhpr.certificate.boxes import Box, make_box
 from krhpr.certificate.circles import never_collinear
 from krhpr.certificate.factors import Factor, Form, factors, is_angular
 from krhpr.certificate.intervals import CELLS, interval_test
+from krhpr.certificate.points import sign_change
 from krhpr.certificate.vertices import vertex_test
 from krhpr.robot import Robot
 
@@ -43,6 +44,9 @@ def _finding(robot: Robot, factor: Factor, box: Box, cells: int, bounds: bool) -
     method = Method.INTERVALS if factor.form is Form.TRIGONOMETRIC else Method.VERTICES
     sign = factor.at([factor.coordinate(x) for x in box.centre]).sign()
     if sign is None:
+        point = sign_change(factor, box)
+        if point is not None:
+            return Finding(factor.name, Verdict.SINGULAR, method, 0, point=point)
         return Finding(factor.name, Verdict.UNDECIDED, method, 0, cell=Box(box.centre, box.centre))
     if sign == 0:
         return Finding(factor.name, Verdict.SINGULAR, method, 0, point=box.centre)

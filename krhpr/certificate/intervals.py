@@ -92,11 +92,12 @@ def interval_test(factor: Factor, box: Box, sign: int, cells: int = CELLS) -> Fi
 def _slack(factor: Factor) -> float:
     """More than a value of `_hull` can be off.
 
-    Basis values are at most sqrt(2) (tangent points of a quarter turn) and within 2^-47 of what they stand
-    for: a unit or two of sine and cosine, NOMINAL times two turns, a few operations.  Products and sums add
-    some thirty roundings.  All of it is below 1e-13 of the sum of absolute coefficients.
+    Sines and cosines are within 2^-47 of what they stand for: a unit or two of the library's, and NOMINAL
+    times two turns.  Basis values are at most sqrt(2) (where the tangents of a quarter turn meet) and
+    within 2^-46. Products and sums add some thirty roundings.  Together it is below 2e-13 of the sum of the
+    coefficients' absolute values, and 27 sqrt(2)^3 < 80 times what the coefficients themselves are off.
     """
-    return 1e-13 * float(np.abs(factor.rounded).sum()) + 80 * factor.rounding
+    return 2e-13 * float(np.abs(factor.rounded).sum()) + 80 * factor.rounding
 
 
 def _quartered(box: Box) -> _Cells:

@@ -14,13 +14,11 @@ coordinate by coordinate, f is such a combination of its values at the eight ver
 
 from __future__ import annotations
 
-from itertools import product
-
 from krhpr.certificate.answer import Finding, Method, Verdict
 from krhpr.certificate.boxes import Box, Triple, triple
 from krhpr.certificate.exact import multiple
 from krhpr.certificate.factors import Factor, Form
-from krhpr.certificate.points import proven_bound, vanishing_point
+from krhpr.certificate.points import corners, proven_bound, sign_at, vanishing_point
 
 HALF_TURN = 3.141592653589793
 
@@ -37,16 +35,16 @@ def vertex_test(factor: Factor, box: Box, sign: int) -> Finding:
         return (
             finding(Verdict.UNDECIDED, cell=box) if point is None else finding(Verdict.SINGULAR, point=point)
         )
-    corners = _corners(box)
-    values = [sign * factor.at([factor.coordinate(x) for x in corner]) for corner in corners]
+    vertices = corners(box)
+    values = [sign * factor.at([factor.coordinate(x) for x in vertex]) for vertex in vertices]
     signs = [value.sign() for value in values]
     if -1 in signs:
-        return finding(Verdict.SINGULAR, point=vanishing_point(factor, box.centre, corners[signs.index(-1)]))
+        return finding(Verdict.SINGULAR, point=vanishing_point(factor, box.centre, vertices[signs.index(-1)]))
     if None in signs:
-        corner = corners[signs.index(None)]
-        return finding(Verdict.UNDECIDED, cell=Box(corner, corner))
+        vertex = vertices[signs.index(None)]
+        return finding(Verdict.UNDECIDED, cell=Box(vertex, vertex))
     if 0 in signs and box.closed:
-        return finding(Verdict.SINGULAR, point=corners[signs.index(0)])
+        return finding(Verdict.SINGULAR, point=vertices[signs.index(0)])
     lowest = min(values, key=lambda value: value.low())
     return finding(Verdict.FREE, bound=proven_bound(factor, max(lowest.below(), 0.0)))
 
@@ -62,27 +60,18 @@ def _wide(low: float, high: float) -> bool:
 def _over_half_a_turn(factor: Factor, box: Box, sign: int) -> Triple | None:
     """A zero in a box that spans half a turn: there is one on any line along that coordinate.
 
-    With half a turn to rounding the zero may be at both of its ends: boxes within are tried, too.
+    With just half a turn it may be at both of its ends: boxes within, and a closed box's corners, are tried.
     """
     for leg, width in enumerate(box.widths):
         for share in (0.5, 0.3, 0.9):
             ends = [list(box.centre), list(box.centre)]
             ends[0][leg] = box.low[leg] + share * (width - HALF_TURN)
             ends[1][leg] = ends[0][leg] + HALF_TURN
-            if width > HALF_TURN * (1 + 1e-15) and _sign(factor, triple(ends[0])):
+            if width > HALF_TURN * (1 + 1e-15) and sign_at(factor, triple(ends[0])):
                 return vanishing_point(factor, triple(ends[0]), triple(ends[1]))
-    for share in (0.5, 0.9, 0.99, 0.999, 1 - 1e-6):
-        for corner in _corners(box):
-            point = triple([c + share * (x - c) for c, x in zip(box.centre, corner, strict=True)])
-            if _sign(factor, point) == -sign:
+    for share in (0.5, 0.9, 0.99, 0.999, 1 - 1e-6, *([1.0] if box.closed else [])):
+        for point in corners(box, share):
+            if sign_at(factor, point) == -sign:
                 return vanishing_point(factor, box.centre, point)
-    return None
-
-
-def _sign(factor: Factor, point: Triple) -> int:
-    """The sign of a value, 0 where it is open."""
-    return factor.at([factor.coordinate(x) for x in point]).sign() or 0
-
-
-def _corners(box: Box) -> list[Triple]:
-    return [triple(corner) for corner in product(*zip(box.low, box.high, strict=True))]
+    zeros = (vertex for vertex in corners(box) if sign_at(factor, vertex) == 0)
+    return next(zeros, None) if box.closed else None

@@ -15,7 +15,7 @@ The answer is free, singular (with a point), or undecided (with the smallest cel
 left), for each factor of det J, with the test that proves it and a bound that the
 factor's margin does not fall below. docs/singularities.md says what is proven.
 
-exit codes: 0 free; 3 singular or undecided
+exit codes: 0 free; 3 singular or undecided; 2 wrong use, such as a singular --centre
 
 examples:
   krhpr certify spatial_rrr_a --low 30 --high 150 --degrees --open

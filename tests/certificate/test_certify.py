@@ -34,7 +34,8 @@ def holds(robot: Any, found: Certificate) -> None:
             point = np.array(finding.point)
             assert (point >= np.array(found.box.low) - 1e-15).all()
             assert (point <= np.array(found.box.high) + 1e-15).all()
-            assert abs(margins(robot, point)[place]) <= 1e-12 * sizes(robot, point)[place]
+            farthest = np.maximum(np.abs(found.box.low), np.abs(found.box.high))
+            assert abs(margins(robot, point)[place]) <= 1e-12 * sizes(robot, farthest)[place]
         else:
             assert finding.cell is not None
     if found.verdict is Verdict.SINGULAR:
@@ -234,6 +235,16 @@ def test_tangential_slides_within_their_bound_have_one_singular_plane() -> None:
     assert beyond.verdict is Verdict.SINGULAR
     assert vertex_test(det_a, Box((0.0, -0.01, 0.02), (0.1, 0.1, 0.1)), -1).verdict is Verdict.FREE
     assert vertex_test(det_a, Box((0.0, -0.03, 0.02), (0.1, 0.1, 0.1)), -1).verdict is Verdict.SINGULAR
+
+
+def test_where_rounding_hides_the_sign_at_the_centre_a_zero_is_found() -> None:
+    """With azimuths that are no multiples of 30 degrees a zero at the centre is one but for rounding."""
+    robot = slides.with_geometry(platform_azimuth=degrees(10, 131, 252))
+    weights = np.sin(degrees(252 - 131, 10 - 252, 131 - 10))
+    centre = np.array([0.1, 0.05, -(0.1 * weights[0] + 0.05 * weights[1]) / weights[2]])
+    found = certify(robot, centre - 0.01, centre + 0.01)
+    assert found.findings[0].verdict is Verdict.SINGULAR
+    holds(robot, found)
 
 
 # -- any robot, any box --------------------------------------------------------------------------------------
