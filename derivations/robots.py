@@ -100,6 +100,7 @@ class _Functions:
         yield self._passive_joints()
         yield self._link_points()
         yield self._singularity()
+        yield self._type_2_of_redundant()
 
     # -- pieces ---------------------------------------------------------------------------------------------
 
@@ -523,4 +524,18 @@ class _Functions:
             (*self.pose, self.leg.s, self.leg.theta),
             (type_1, factors, self.plate.type_2, self.plate.margins),
             calls,
+        )
+
+    def _type_2_of_redundant(self) -> RobotFunction:
+        return self._function(
+            "type_2_of_redundant",
+            "The factors of det J and margins, as `singularity` gives them, from the redundant coordinates "
+            "alone: they depend neither on the pose nor on the sub-legs.",
+            "1.4, 2.3.2",
+            (self.plate.redundant,),
+            (self.plate.type_2, self.plate.margins),
+            (
+                self._on_leg("platform", "line_of_redundant"),
+                Call(Stage.PLATFORM, "platform", "type_2", {}, {}),
+            ),
         )

@@ -389,6 +389,12 @@ class Robot:
         """(type_1, factors, type_2, margins): det M_i, its factors, the factors of det J, and margins."""
         return self._answer("singularity", (p, Q, s, theta), options)
 
+    def type_2_of_redundant(self, redundant: ArrayLike, **options: Unpack[Options]) -> Any:
+        """(type_2, margins): the factors of det J and their margins, which depend on the redundant
+        coordinates (..., 3) alone.
+        """
+        return self._answer("type_2_of_redundant", (redundant,), options)
+
     # -- how a call is made ---------------------------------------------------------------------------------
 
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:

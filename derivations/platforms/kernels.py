@@ -33,6 +33,7 @@ class PlatformKernels:
             self._residual(),
             rows,
             self._line(),
+            self._line_of_redundant(),
             velocity,
             self._end_acceleration(velocity),
             self._row_bias(rows),
@@ -98,24 +99,46 @@ class PlatformKernels:
             "(1.33), (1.34)",
         )
         ports = self.ports
-        along = k.let("a", self.plate.direction(k, pose, s))
-        anchor = k.let("b", self.plate.anchor(k, pose, s), "from O' to the line")
-        u = k.let("u", s - pose.p, "O' to S_i")
-        local = k.let("a_l", pose.Q.T * along, "in the platform frame")
-        arm = k.let("b_l", pose.Q.T * anchor)
-        if self.plate.space is Space.PLANAR:
-            line = [*local, local[1] * arm[0] - local[0] * arm[1]]
-            directions = along.T
-            point = pose.Q.T * u
-        else:
-            line = [*local, *cross(arm, local)]
+        line, point, along = self._write_line(k, pose, s)
+        directions = along.T
+        if self.plate.space is Space.SPATIAL:
             directions = sp.Matrix([list(along), list(pose.Q.col(2))])
-            point = (pose.Q.T * u)[:2, 0]
         k.add_output(ports.line, line)
         k.add_output(ports.point, point)
         k.add_output(ports.N, directions)
         k.add_output(ports.scale, self.plate.scale(k))
         return k.kernel()
+
+    def _line_of_redundant(self) -> Kernel:
+        """The same line and end point at the pose p = 0, Q = 1, where both frames are one."""
+        k = KernelWriter(
+            "line_of_redundant",
+            "The leg's line and end point in the platform frame from the redundant coordinate alone.",
+            "(1.33), (1.34)",
+            self.plate.geometry(),
+        )
+        ports, d = self.ports, self.plate.space.dimension
+        pose = Pose(sp.zeros(d, 1), sp.eye(d))
+        s = self.plate.end_point(k, pose, k.add_input(ports.redundant))
+        line, point, _ = self._write_line(k, pose, s)
+        k.add_output(ports.line, line)
+        k.add_output(ports.point, point)
+        k.add_output(ports.scale, self.plate.scale(k))
+        return k.kernel()
+
+    def _write_line(
+        self, k: KernelWriter, pose: Pose, s: sp.Matrix
+    ) -> tuple[list[Any], sp.Matrix, sp.Matrix]:
+        """Line and S_i in the platform frame, and the line's direction in the base frame."""
+        along = k.let("a", self.plate.direction(k, pose, s))
+        anchor = k.let("b", self.plate.anchor(k, pose, s), "from O' to the line")
+        u = k.let("u", s - pose.p, "O' to S_i")
+        local = k.let("a_l", pose.Q.T * along, "in the platform frame")
+        arm = k.let("b_l", pose.Q.T * anchor)
+        point = (pose.Q.T * u)[:2, 0]
+        if self.plate.space is Space.PLANAR:
+            return [*local, local[1] * arm[0] - local[0] * arm[1]], point, along
+        return [*local, *cross(arm, local)], point, along
 
     def _end_velocity(self) -> Kernel:
         k, pose, s = self._begin(

@@ -365,6 +365,21 @@ KRHPR_API int krhpr_planar_pp_b_singularity_batch(
     const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
+/* The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they
+ * depend neither on the pose nor on the sub-legs.  Thesis: 1.4, 2.3.2.
+ *   in     redundant (3, m, joint frame): slide delta_i along t_i, from b_i, signed
+ *   out    type_2 (1, mixed, platform frame): factors of det J [det J_a]
+ *   out    margins (1, mixed): det J (m): positive on the side of type II where delta_i is large [det J_a]
+ */
+KRHPR_API int krhpr_planar_pp_b_type_2_of_redundant(
+    const krhpr_planar_pp_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins);
+/* Batch: in = redundant (3); out = type_2 (1), margins (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_pp_b_type_2_of_redundant_batch(
+    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

@@ -984,6 +984,43 @@ KRHPR_API int krhpr_planar_prr2_b_singularity_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_prr2_b_type_2_of_redundant(
+    const krhpr_planar_prr2_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins)
+{
+    int status = KRHPR_OK;
+    double line[9];
+    double point[6];
+    double scale[6];
+    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+        krhpr_fill_nan(type_2, 1);
+        krhpr_fill_nan(margins, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_line_of_redundant(
+            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
+    return status;
+}
+
+KRHPR_API int krhpr_planar_prr2_b_type_2_of_redundant_batch(
+    const krhpr_planar_prr2_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_b_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 static const int joint_is_angle[2] = {0, 0};
 
 KRHPR_API int krhpr_planar_prr2_b_inverse_near(

@@ -126,6 +126,34 @@ static inline void krhpr_platform_planar_a_line(
     scale[1] = g->R_p;
 }
 
+/* Angles whose sines and cosines `line_of_redundant` reads.  (no operations) */
+static inline void krhpr_platform_planar_a_line_of_redundant_angles(
+    double redundant, double *KRHPR_RESTRICT angle)
+{
+    angle[0] = redundant;
+}
+
+/* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
+ * (1.34).  (7 add, 8 multiply) */
+static inline void krhpr_platform_planar_a_line_of_redundant(
+    const krhpr_platform_planar_a_geometry *g, const double sine[1], const double cosine[1],
+    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
+{
+    const double l_c = g->l_r * cosine[0];
+    const double l_s = g->l_r * sine[0];
+    const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* r_i in the platform frame */
+    const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
+    const double a_0 = g->b[0] - r_l_0;
+    const double a_1 = g->b[1] - r_l_1;
+    line[0] = a_0;
+    line[1] = a_1;
+    line[2] = g->b[0] * a_1 - g->b[1] * a_0;
+    point[0] = r_l_0;
+    point[1] = r_l_1;
+    scale[0] = g->l_r;
+    scale[1] = g->R_p;
+}
+
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (12 add, 8 multiply) */
 static inline void krhpr_platform_planar_a_end_velocity(

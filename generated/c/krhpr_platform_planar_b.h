@@ -19,12 +19,11 @@ typedef struct {
     double l_r; /* redundant link, from r_i along n_i to its slider (m) */
     double t[2]; /* t_i, along the slide */
     double m[2]; /* m_i, S_i where d_i = 0 */
-    double h[1]; /* n_i^T m_i */
-    double k[2]; /* sub-expressions of the geometry alone, computed once */
+    double k[4]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_planar_b_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (3 add, 6 multiply, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 6 multiply, 1 sine cosine) */
 static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geometry *g)
 {
     double t_1, t_0; krhpr_sincos(g->platform_azimuth, &t_1, &t_0);
@@ -34,9 +33,10 @@ static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geome
     g->t[1] = t_1;
     g->m[0] = m_0;
     g->m[1] = m_1;
-    g->h = t_0 * m_1 - t_1 * m_0;
     g->k[0] = t_0 * m_0;
     g->k[1] = t_1 * m_1;
+    g->k[2] = t_0 * m_1;
+    g->k[3] = t_1 * m_0;
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (6 add, 6 multiply) */
@@ -60,7 +60,7 @@ static inline void krhpr_platform_planar_b_redundant(
     *redundant = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) - g->k[0] - g->k[1];
 }
 
-/* Residuals of the constraint equations.  Thesis: (2.8).  (6 add, 6 multiply) */
+/* Residuals of the constraint equations.  Thesis: (2.8).  (7 add, 6 multiply) */
 static inline void krhpr_platform_planar_b_residual(
     const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
     double *KRHPR_RESTRICT residual)
@@ -69,7 +69,7 @@ static inline void krhpr_platform_planar_b_residual(
     const double u_1 = s[1] - p[1];
     const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
     const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
-    residual[0] = g->h[0] - u_0 * Qn_0 - u_1 * Qn_1;
+    residual[0] = g->k[2] - u_0 * Qn_0 - u_1 * Qn_1 - g->k[3];
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (5 add, 6 multiply) */
@@ -110,6 +110,24 @@ static inline void krhpr_platform_planar_b_line(
     point[1] = b_l_1;
     N[0] = Qn_0;
     N[1] = Qn_1;
+    scale[0] = 1.0;
+    scale[1] = 1.0;
+}
+
+/* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
+ * (1.34).  (3 add, 4 multiply) */
+static inline void krhpr_platform_planar_b_line_of_redundant(
+    const krhpr_platform_planar_b_geometry *g, double redundant, double *KRHPR_RESTRICT line,
+    double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
+{
+    const double s_l_0 = g->m[0] + g->t[0] * redundant; /* S_i in the platform frame */
+    const double s_l_1 = g->m[1] + g->t[1] * redundant;
+    const double Qn_0 = -g->t[1]; /* Q n_i */
+    line[0] = Qn_0;
+    line[1] = g->t[0];
+    line[2] = g->t[0] * s_l_0 + g->t[1] * s_l_1;
+    point[0] = s_l_0;
+    point[1] = s_l_1;
     scale[0] = 1.0;
     scale[1] = 1.0;
 }

@@ -18,12 +18,11 @@ typedef struct {
     double l_r; /* redundant link, from S_i outwards to its slider (m) */
     double t[2]; /* t_i, along the slide */
     double m[2]; /* m_i, S_i where d_i = 0 */
-    double h[1]; /* n_i^T m_i */
-    double k[2]; /* sub-expressions of the geometry alone, computed once */
+    double k[4]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_spatial_b_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 8 multiply, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (1 add, 6 multiply, 1 sine cosine) */
 static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geometry *g)
 {
     double t1, t_1; krhpr_sincos(g->platform_azimuth, &t1, &t_1);
@@ -34,9 +33,10 @@ static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geo
     g->t[1] = t_1;
     g->m[0] = m_0;
     g->m[1] = m_1;
-    g->h = t2 * (t1 * t1) + t2 * (t_1 * t_1);
     g->k[0] = -t1 * m_0;
     g->k[1] = t_1 * m_1;
+    g->k[2] = t_1 * m_0;
+    g->k[3] = -t1 * m_1;
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
@@ -63,7 +63,7 @@ static inline void krhpr_platform_spatial_b_redundant(
     *redundant = redundant_a;
 }
 
-/* Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (11 add, 12 multiply) */
+/* Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (12 add, 12 multiply) */
 static inline void krhpr_platform_spatial_b_residual(
     const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
     double *KRHPR_RESTRICT residual)
@@ -74,7 +74,7 @@ static inline void krhpr_platform_spatial_b_residual(
     const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
     const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
     const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
-    residual[0] = g->h[0] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2;
+    residual[0] = g->k[2] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2 - g->k[3];
     residual[1] = -(Q[2] * u_0 + Q[5] * u_1 + Q[8] * u_2);
 }
 
@@ -142,6 +142,27 @@ static inline void krhpr_platform_spatial_b_line(
     N[3] = Q[2];
     N[4] = Q[5];
     N[5] = Q[8];
+    scale[0] = 1.0;
+    scale[1] = 1.0;
+}
+
+/* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
+ * (1.34).  (3 add, 4 multiply) */
+static inline void krhpr_platform_spatial_b_line_of_redundant(
+    const krhpr_platform_spatial_b_geometry *g, double redundant, double *KRHPR_RESTRICT line,
+    double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
+{
+    const double s_l_0 = g->m[0] + g->t[0] * redundant; /* S_i in the platform frame */
+    const double s_l_1 = g->m[1] + g->t[1] * redundant;
+    const double Qn_1 = -g->t[0]; /* Q n_i */
+    line[0] = g->t[1];
+    line[1] = Qn_1;
+    line[2] = 0.0;
+    line[3] = 0.0;
+    line[4] = 0.0;
+    line[5] = -(g->t[0] * s_l_0 + g->t[1] * s_l_1);
+    point[0] = s_l_0;
+    point[1] = s_l_1;
     scale[0] = 1.0;
     scale[1] = 1.0;
 }

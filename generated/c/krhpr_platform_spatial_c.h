@@ -133,6 +133,27 @@ static inline void krhpr_platform_spatial_c_line(
     scale[1] = 1.0;
 }
 
+/* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
+ * (1.34).  (1 add, 4 multiply) */
+static inline void krhpr_platform_spatial_c_line_of_redundant(
+    const krhpr_platform_spatial_c_geometry *g, double redundant, double *KRHPR_RESTRICT line,
+    double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
+{
+    const double Qn_0 = -g->t[1]; /* Q n_i */
+    const double b_0 = g->t[0] * redundant; /* from O' to the line */
+    const double b_1 = g->t[1] * redundant;
+    line[0] = Qn_0;
+    line[1] = g->t[0];
+    line[2] = 0.0;
+    line[3] = 0.0;
+    line[4] = 0.0;
+    line[5] = g->t[0] * b_0 + g->t[1] * b_1;
+    point[0] = b_0;
+    point[1] = b_1;
+    scale[0] = 1.0;
+    scale[1] = 1.0;
+}
+
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
 static inline void krhpr_platform_spatial_c_end_velocity(

@@ -442,6 +442,23 @@ KRHPR_API int krhpr_spatial_rrrr_b_singularity_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they
+ * depend neither on the pose nor on the sub-legs.  Thesis: 1.4, 2.3.2.
+ *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
+ *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
+ *   out    margins (2, mixed): -det J_a (m) and det J_n (m^2): positive while all d_i > 0 [det J_a, det
+ *          J_n]
+ */
+KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant(
+    const krhpr_spatial_rrrr_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins);
+/* Batch: in = redundant (3); out = type_2 (2), margins (2); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant_batch(
+    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

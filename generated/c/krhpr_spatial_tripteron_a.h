@@ -414,6 +414,24 @@ KRHPR_API int krhpr_spatial_tripteron_a_singularity_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they
+ * depend neither on the pose nor on the sub-legs.  Thesis: 1.4, 2.3.2.
+ *   in     redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
+ *          clockwise from +z'
+ *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
+ *   out    margins (2, mixed): -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive
+ *          for beta in (30, 150) deg [det J_a, det J_n]
+ */
+KRHPR_API int krhpr_spatial_tripteron_a_type_2_of_redundant(
+    const krhpr_spatial_tripteron_a_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins);
+/* Batch: in = redundant (3); out = type_2 (2), margins (2); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_tripteron_a_type_2_of_redundant_batch(
+    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

@@ -916,6 +916,44 @@ KRHPR_API int krhpr_spatial_ups3_c_singularity_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_ups3_c_type_2_of_redundant(
+    const krhpr_spatial_ups3_c_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
+    double *KRHPR_RESTRICT margins)
+{
+    int status = KRHPR_OK;
+    double line[18];
+    double point[6];
+    double scale[6];
+    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+        krhpr_fill_nan(type_2, 2);
+        krhpr_fill_nan(margins, 2);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_line_of_redundant(
+            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_ups3_c_type_2_of_redundant_batch(
+    const krhpr_spatial_ups3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_ups3_c_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 static const int joint_is_angle[3] = {0, 0, 0};
 
 KRHPR_API int krhpr_spatial_ups3_c_inverse_near(

@@ -595,6 +595,34 @@ def singularity(geometry: Any) -> Any:
     return call.function({"type_1": type_1, "factors": factors, "type_2": type_2, "margins": margins})
 
 
+def type_2_of_redundant(geometry: Any) -> Any:
+    """The factors of det J and margins, as `singularity` gives them, from the redundant coordinates
+    alone: they depend neither on the pose nor on the sub-legs."""
+    call = rt.Call(
+        "type_2_of_redundant",
+        (
+            rt.Port("redundant", (3,), "stacked"),
+        ),
+        (
+            rt.Port("type_2", (2,), "shared"),
+            rt.Port("margins", (2,), "shared"),
+        ),
+        geometry,
+    )
+    line: list[Any] = []
+    point: list[Any] = []
+    scale: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        line_i, point_i, scale_i = platform.line_of_redundant(
+            platform.prepare(fields), call.leg("redundant", i))
+        line += line_i
+        point += point_i
+        scale += scale_i
+    type_2, margins = platform.type_2(line, point, scale)
+    return call.function({"type_2": type_2, "margins": margins})
+
+
 FUNCTIONS = {
     "rotation_error": rotation_error,
     "end_points": end_points,
@@ -616,4 +644,5 @@ FUNCTIONS = {
     "passive_joints": passive_joints,
     "link_points": link_points,
     "singularity": singularity,
+    "type_2_of_redundant": type_2_of_redundant,
 }

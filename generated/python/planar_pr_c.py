@@ -48,6 +48,7 @@ __all__ = [
     "subleg_inverse",
     "subleg_jacobian",
     "twist",
+    "type_2_of_redundant",
 ]
 
 IDENTIFIER = "planar_pr_c"
@@ -415,6 +416,19 @@ SIGNATURES = {
         ),
         "(2),(),(3,2),(3,2)->(3),(3,1),(1),(1),()",
     ),
+    "type_2_of_redundant": rt.Signature(
+        "type_2_of_redundant",
+        "The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they depend neither on the pose nor on the sub-legs.",
+        "1.4, 2.3.2",
+        (
+            rt.Port("redundant", (3,), "m", "joint", "slide delta_i along t_i, from O', signed", "stacked", ()),
+        ),
+        (
+            rt.Port("type_2", (1,), "mixed", "platform", "factors of det J", "shared", ("det J_a", )),
+            rt.Port("margins", (1,), "mixed", "-", "det J (m): positive while all delta_i > 0", "shared", ("det J_a", )),
+        ),
+        "(3)->(1),(1),()",
+    ),
 }
 
 
@@ -451,6 +465,13 @@ class Singularity(NamedTuple):
 
     type_1: Any
     factors: Any
+    type_2: Any
+    margins: Any
+
+
+class Type2OfRedundant(NamedTuple):
+    """Results of `type_2_of_redundant`."""
+
     type_2: Any
     margins: Any
 
@@ -1146,4 +1167,35 @@ def singularity(
             },
         )
     answer = Singularity(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def type_2_of_redundant(
+    redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The factors of det J and margins, as `singularity` gives them, from the redundant coordinates
+    alone: they depend neither on the pose nor on the sub-legs.
+
+    Thesis: 1.4, 2.3.2.
+
+    Args:
+        redundant (..., 3) [m]: slide delta_i along t_i, from O', signed
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        type_2 (..., 1) [mixed] in the platform frame: factors of det J [det J_a]
+        margins (..., 1) [mixed]: det J (m): positive while all delta_i > 0 [det J_a]
+    """
+    arguments = rt.Arguments(SIGNATURES["type_2_of_redundant"], (redundant,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        line, point, scale = platform.line_of_redundant(g.platform, arguments.leg("redundant"))
+        type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
+        results = arguments.finish(
+            {
+                "type_2": type_2,
+                "margins": margins,
+            },
+        )
+    answer = Type2OfRedundant(*results[:-1])
     return (answer, results[-1]) if status else answer

@@ -34,8 +34,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_r=fields["l_r"],
         t=(t_0, t_1,),
         m=(m_0, m_1,),
-        h=(t_0 * m_1 - t_1 * m_0,),
-        k=(t_0 * m_0, t_1 * m_1,),
+        k=(t_0 * m_0, t_1 * m_1, t_0 * m_1, t_1 * m_0,),
     )
 
 
@@ -65,7 +64,7 @@ def redundant(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
 
 
 def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
-    """Residuals of the constraint equations.  Thesis: (2.8).  (6 add, 6 multiply)"""
+    """Residuals of the constraint equations.  Thesis: (2.8).  (7 add, 6 multiply)"""
     p_0, p_1 = p
     Q_00, Q_01, Q_10, Q_11 = Q
     s_0, s_1 = s
@@ -74,7 +73,7 @@ def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     Qn_0 = g.t[0] * Q_01 - g.t[1] * Q_00  # Q n_i
     Qn_1 = g.t[0] * Q_11 - g.t[1] * Q_10
     return (
-        g.h[0] - u_0 * Qn_0 - u_1 * Qn_1,
+        g.k[2] - u_0 * Qn_0 - u_1 * Qn_1 - g.k[3],
     )
 
 
@@ -128,6 +127,30 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
         (  # N
             Qn_0,
             Qn_1,
+        ),
+        (  # scale
+            1,
+            1,
+        ),
+    )
+
+
+def line_of_redundant(g: Any, redundant: Any) -> tuple[Any, ...]:
+    """The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis:
+    (1.33), (1.34).  (3 add, 4 multiply)"""
+    redundant, = redundant
+    s_l_0 = g.m[0] + g.t[0] * redundant  # S_i in the platform frame
+    s_l_1 = g.m[1] + g.t[1] * redundant
+    Qn_0 = -g.t[1]  # Q n_i
+    return (
+        (  # line
+            Qn_0,
+            g.t[0],
+            g.t[0] * s_l_0 + g.t[1] * s_l_1,
+        ),
+        (  # point
+            s_l_0,
+            s_l_1,
         ),
         (  # scale
             1,

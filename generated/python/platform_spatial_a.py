@@ -178,6 +178,36 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
+def line_of_redundant(g: Any, redundant: Any) -> tuple[Any, ...]:
+    """The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis:
+    (1.33), (1.34).  (7 add, 8 multiply, 1 sine cosine)"""
+    redundant, = redundant
+    l_c = g.l_r * np.cos(redundant)
+    l_s = g.l_r * np.sin(redundant)
+    s_l_0 = g.b[0] - g.e_r[0] * l_c - g.e_r[1] * l_s  # S_i in the platform frame
+    s_l_1 = g.b[1] + g.e_r[0] * l_s - g.e_r[1] * l_c
+    a_0 = g.b[0] - s_l_0
+    a_1 = g.b[1] - s_l_1
+    return (
+        (  # line
+            a_0,
+            a_1,
+            0,
+            0,
+            0,
+            g.b[0] * a_1 - g.b[1] * a_0,
+        ),
+        (  # point
+            s_l_0,
+            s_l_1,
+        ),
+        (  # scale
+            g.l_r,
+            g.R_p,
+        ),
+    )
+
+
 def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any) -> tuple[Any, ...]:
     """Velocity of the end point from the platform's twist and the redundant coordinate's rate.
     Thesis: (1.37) differentiated.  (24 add, 21 multiply)"""

@@ -33,8 +33,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_r=fields["l_r"],
         t=(-t1, t_1,),
         m=(m_0, m_1,),
-        h=(t2 * (t1 * t1) + t2 * (t_1 * t_1),),
-        k=(-t1 * m_0, t_1 * m_1,),
+        k=(-t1 * m_0, t_1 * m_1, t_1 * m_0, -t1 * m_1,),
     )
 
 
@@ -66,7 +65,7 @@ def redundant(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
 
 
 def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
-    """Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (11 add, 12 multiply)"""
+    """Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (12 add, 12 multiply)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
     s_0, s_1, s_2 = s
@@ -77,7 +76,7 @@ def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     Qn_1 = g.t[1] * Q_10 - g.t[0] * Q_11
     Qn_2 = g.t[1] * Q_20 - g.t[0] * Q_21
     return (
-        g.h[0] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2,
+        g.k[2] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2 - g.k[3],
         -(Q_02 * u_0 + Q_12 * u_1 + Q_22 * u_2),
     )
 
@@ -158,6 +157,33 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
             Q_02,
             Q_12,
             Q_22,
+        ),
+        (  # scale
+            1,
+            1,
+        ),
+    )
+
+
+def line_of_redundant(g: Any, redundant: Any) -> tuple[Any, ...]:
+    """The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis:
+    (1.33), (1.34).  (3 add, 4 multiply)"""
+    redundant, = redundant
+    s_l_0 = g.m[0] + g.t[0] * redundant  # S_i in the platform frame
+    s_l_1 = g.m[1] + g.t[1] * redundant
+    Qn_1 = -g.t[0]  # Q n_i
+    return (
+        (  # line
+            g.t[1],
+            Qn_1,
+            0,
+            0,
+            0,
+            -(g.t[0] * s_l_0 + g.t[1] * s_l_1),
+        ),
+        (  # point
+            s_l_0,
+            s_l_1,
         ),
         (  # scale
             1,

@@ -155,6 +155,33 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
+def line_of_redundant(g: Any, redundant: Any) -> tuple[Any, ...]:
+    """The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis:
+    (1.33), (1.34).  (1 add, 4 multiply)"""
+    redundant, = redundant
+    Qn_0 = -g.t[1]  # Q n_i
+    b_0 = g.t[0] * redundant  # from O' to the line
+    b_1 = g.t[1] * redundant
+    return (
+        (  # line
+            Qn_0,
+            g.t[0],
+            0,
+            0,
+            0,
+            g.t[0] * b_0 + g.t[1] * b_1,
+        ),
+        (  # point
+            b_0,
+            b_1,
+        ),
+        (  # scale
+            1,
+            1,
+        ),
+    )
+
+
 def end_velocity(g: Any, p: Any, Q: Any, s: Any, twist: Any, redundant_rates: Any) -> tuple[Any, ...]:
     """Velocity of the end point from the platform's twist and the redundant coordinate's rate.
     Thesis: (1.37) differentiated.  (15 add, 15 multiply)"""

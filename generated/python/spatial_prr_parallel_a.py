@@ -50,6 +50,7 @@ __all__ = [
     "subleg_inverse",
     "subleg_jacobian",
     "twist",
+    "type_2_of_redundant",
 ]
 
 IDENTIFIER = "spatial_prr_parallel_a"
@@ -447,6 +448,19 @@ SIGNATURES = {
         ),
         "(3),(3,3),(3,3),(3,3)->(3),(3,1),(2),(2),()",
     ),
+    "type_2_of_redundant": rt.Signature(
+        "type_2_of_redundant",
+        "The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they depend neither on the pose nor on the sub-legs.",
+        "1.4, 2.3.2",
+        (
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "stacked", ()),
+        ),
+        (
+            rt.Port("type_2", (2,), "mixed", "platform", "factors of det J", "shared", ("det J_a", "det J_n", )),
+            rt.Port("margins", (2,), "mixed", "-", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg", "shared", ("det J_a", "det J_n", )),
+        ),
+        "(3)->(2),(2),()",
+    ),
 }
 
 
@@ -483,6 +497,13 @@ class Singularity(NamedTuple):
 
     type_1: Any
     factors: Any
+    type_2: Any
+    margins: Any
+
+
+class Type2OfRedundant(NamedTuple):
+    """Results of `type_2_of_redundant`."""
+
     type_2: Any
     margins: Any
 
@@ -1205,4 +1226,37 @@ def singularity(
             },
         )
     answer = Singularity(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def type_2_of_redundant(
+    redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The factors of det J and margins, as `singularity` gives them, from the redundant coordinates
+    alone: they depend neither on the pose nor on the sub-legs.
+
+    Thesis: 1.4, 2.3.2.
+
+    Args:
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        type_2 (..., 2) [mixed] in the platform frame: factors of det J [det J_a, det J_n]
+        margins (..., 2) [mixed]: -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of
+            R_p: positive for beta in (30, 150) deg [det J_a, det J_n]
+    """
+    arguments = rt.Arguments(SIGNATURES["type_2_of_redundant"], (redundant,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        line, point, scale = platform.line_of_redundant(g.platform, arguments.leg("redundant"))
+        type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
+        results = arguments.finish(
+            {
+                "type_2": type_2,
+                "margins": margins,
+            },
+        )
+    answer = Type2OfRedundant(*results[:-1])
     return (answer, results[-1]) if status else answer

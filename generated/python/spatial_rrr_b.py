@@ -49,6 +49,7 @@ __all__ = [
     "subleg_inverse",
     "subleg_jacobian",
     "twist",
+    "type_2_of_redundant",
 ]
 
 IDENTIFIER = "spatial_rrr_b"
@@ -446,6 +447,19 @@ SIGNATURES = {
         ),
         "(3),(3,3),(3,3),(3,3)->(3),(3,2),(2),(2),()",
     ),
+    "type_2_of_redundant": rt.Signature(
+        "type_2_of_redundant",
+        "The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they depend neither on the pose nor on the sub-legs.",
+        "1.4, 2.3.2",
+        (
+            rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "stacked", ()),
+        ),
+        (
+            rt.Port("type_2", (2,), "mixed", "platform", "factors of det J", "shared", ("det J_a", "det J_n", )),
+            rt.Port("margins", (2,), "mixed", "-", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0", "shared", ("det J_a", "det J_n", )),
+        ),
+        "(3)->(2),(2),()",
+    ),
 }
 
 
@@ -482,6 +496,13 @@ class Singularity(NamedTuple):
 
     type_1: Any
     factors: Any
+    type_2: Any
+    margins: Any
+
+
+class Type2OfRedundant(NamedTuple):
+    """Results of `type_2_of_redundant`."""
+
     type_2: Any
     margins: Any
 
@@ -1206,4 +1227,36 @@ def singularity(
             },
         )
     answer = Singularity(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def type_2_of_redundant(
+    redundant: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The factors of det J and margins, as `singularity` gives them, from the redundant coordinates
+    alone: they depend neither on the pose nor on the sub-legs.
+
+    Thesis: 1.4, 2.3.2.
+
+    Args:
+        redundant (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        type_2 (..., 2) [mixed] in the platform frame: factors of det J [det J_a, det J_n]
+        margins (..., 2) [mixed]: -det J_a (m) and det J_n (m^2): positive while all d_i > 0
+            [det J_a, det J_n]
+    """
+    arguments = rt.Arguments(SIGNATURES["type_2_of_redundant"], (redundant,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        line, point, scale = platform.line_of_redundant(g.platform, arguments.leg("redundant"))
+        type_2, margins = platform.type_2(rt.legs(line), rt.legs(point), rt.legs(scale))
+        results = arguments.finish(
+            {
+                "type_2": type_2,
+                "margins": margins,
+            },
+        )
+    answer = Type2OfRedundant(*results[:-1])
     return (answer, results[-1]) if status else answer

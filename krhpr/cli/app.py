@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from krhpr import __version__
-from krhpr.cli import compile_command, eval_command, generate, info, list_command, validate
+from krhpr.cli import certify_command, compile_command, eval_command, generate, info, list_command, validate
 from krhpr.cli.common import Command, Exit, WrongUse, first_words
 from krhpr.errors import InvalidInput, KrhprError, UnknownBranch, UnknownRobot
 
@@ -21,6 +21,7 @@ COMMANDS: tuple[Command, ...] = (
     list_command.COMMAND,
     info.COMMAND,
     eval_command.COMMAND,
+    certify_command.COMMAND,
     generate.COMMAND,
     compile_command.COMMAND,
     validate.COMMAND,
@@ -36,6 +37,7 @@ examples:
   krhpr info spatial_rrr_a                      joints, geometry and functions of one
   krhpr info spatial_rrr_a --function inverse   arguments and results of one function
   krhpr eval spatial_rrr_a inverse --input poses.json
+  krhpr certify spatial_rrr_a --low 30 --high 150 --degrees --open
   krhpr generate --check                        what `krhpr generate` would change, and why
   krhpr generate spatial_rrr_a --out arm        one robot's code in a folder that stands alone
 
@@ -43,7 +45,8 @@ exit codes:
   0    success
   1    failure: the message says of what; --debug shows where
   2    wrong use: an unknown robot, function or option, or input that cannot be read
-  3    a difference found (generate --check), or a check failed (validate)
+  3    a difference found (generate --check), a check failed (validate), or a box
+       that is not free of singularities (certify)
   130  interrupted; files are as they were
 
 environment:

@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     except ValueError as error:  # KRHPR_BACKEND
         raise WrongUse(str(error)) from None
     signature = find_signature(robot, options.function)
-    robot = _with_geometry(robot, options.geometry)
+    robot = with_geometry(robot, options.geometry)
     preset = _branches(signature, options)
     optional = [port.name for port in signature.inputs if _is_optional(signature.name, port.name)]
     source = read_source(options.input, options.format)
@@ -64,7 +64,8 @@ def _is_optional(function: str, argument: str) -> bool:
     return argument in ("mode", "assembly", "swivel") or (function, argument) in _ZERO_UNLESS_GIVEN
 
 
-def _with_geometry(robot: Robot, settings: Sequence[str]) -> Robot:
+def with_geometry(robot: Robot, settings: Sequence[str]) -> Robot:
+    """The robot with the fields that `--geometry` changes."""
     fields = robot.geometry.order
     changes: dict[str, list[float] | float] = {}
     for setting in settings:

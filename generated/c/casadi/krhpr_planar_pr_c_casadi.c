@@ -41,6 +41,7 @@
 #define krhpr_planar_pr_c_passive_joints plain_passive_joints
 #define krhpr_planar_pr_c_link_points plain_link_points
 #define krhpr_planar_pr_c_singularity plain_singularity
+#define krhpr_planar_pr_c_type_2_of_redundant plain_type_2_of_redundant
 #include "../krhpr_planar_pr_c.c"
 #undef krhpr_planar_pr_c_end_points
 #undef krhpr_planar_pr_c_redundant_coordinates
@@ -60,6 +61,7 @@
 #undef krhpr_planar_pr_c_passive_joints
 #undef krhpr_planar_pr_c_link_points
 #undef krhpr_planar_pr_c_singularity
+#undef krhpr_planar_pr_c_type_2_of_redundant
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -152,6 +154,7 @@ static const casadi_int P60[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
 static const casadi_int P61[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P62[3] = {1, 6, 1};
 static const casadi_int P63[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P64[3] = {1, 3, 1};
 
 /* -- end_points -- */
 
@@ -1000,3 +1003,44 @@ static const krhpr_casadi_function function_singularity = {
 };
 KRHPR_CASADI_FUNCTION(NAME(singularity), function_singularity)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(singularity), function_singularity)
+
+/* -- type_2_of_redundant -- */
+
+static int value_type_2_of_redundant(const double *x, double *y)
+{
+    return plain_type_2_of_redundant(&geometry, x, y, y + 1);
+}
+
+static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    krhpr_dual *const type_2 = found;
+    krhpr_dual *const margins = found + 1;
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual scale[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_line_of_redundant_tangent(
+            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
+}
+
+static const krhpr_casadi_slot in_type_2_of_redundant[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_type_2_of_redundant[] = {
+    {"out_type_2", 1, 1, 1, NULL, P2, P3},
+    {"out_margins", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_type_2_of_redundant[] = {
+    P64, P64
+};
+static const char *const names_type_2_of_redundant[] = {
+    "jac_type_2_redundant", "jac_margins_redundant"
+};
+static const krhpr_casadi_function function_type_2_of_redundant = {
+    1, in_type_2_of_redundant, 2, out_type_2_of_redundant, value_type_2_of_redundant, tangent_type_2_of_redundant, structure_type_2_of_redundant, names_type_2_of_redundant
+};
+KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)

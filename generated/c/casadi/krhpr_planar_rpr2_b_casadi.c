@@ -41,6 +41,7 @@
 #define krhpr_planar_rpr2_b_passive_joints plain_passive_joints
 #define krhpr_planar_rpr2_b_link_points plain_link_points
 #define krhpr_planar_rpr2_b_singularity plain_singularity
+#define krhpr_planar_rpr2_b_type_2_of_redundant plain_type_2_of_redundant
 #include "../krhpr_planar_rpr2_b.c"
 #undef krhpr_planar_rpr2_b_end_points
 #undef krhpr_planar_rpr2_b_redundant_coordinates
@@ -60,6 +61,7 @@
 #undef krhpr_planar_rpr2_b_passive_joints
 #undef krhpr_planar_rpr2_b_link_points
 #undef krhpr_planar_rpr2_b_singularity
+#undef krhpr_planar_rpr2_b_type_2_of_redundant
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -76,9 +78,9 @@ static const krhpr_planar_rpr2_b_geometry geometry = {
         { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_0 = 0.2, .o = {0.10000000000000002, 0.25}, .o_12 = {-0.2, 1.2246467991473533e-17}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, -0.09999999999999999, 0.25} }
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .h = {-0.019330127018922193}, .k = {2.297760199992758e-18, -0.011160254037844389} },
-        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .h = {-0.01660769515458674}, .k = {-0.014289419162443244, 0.004825317547305485} },
-        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .h = {-0.036}, .k = {2.2043642384652355e-18, -0.009000000000000001} }
+        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18} },
+        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014} },
+        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036} }
     }
 };
 
@@ -150,6 +152,7 @@ static const casadi_int P57[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
 static const casadi_int P58[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
 static const casadi_int P59[3] = {1, 6, 1};
 static const casadi_int P60[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P61[3] = {1, 3, 1};
 
 /* -- end_points -- */
 
@@ -1026,3 +1029,44 @@ static const krhpr_casadi_function function_singularity = {
 };
 KRHPR_CASADI_FUNCTION(NAME(singularity), function_singularity)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(singularity), function_singularity)
+
+/* -- type_2_of_redundant -- */
+
+static int value_type_2_of_redundant(const double *x, double *y)
+{
+    return plain_type_2_of_redundant(&geometry, x, y, y + 1);
+}
+
+static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    krhpr_dual *const type_2 = found;
+    krhpr_dual *const margins = found + 1;
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual scale[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_line_of_redundant_tangent(
+            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_planar_b_type_2_tangent(line, point, scale, type_2, margins);
+}
+
+static const krhpr_casadi_slot in_type_2_of_redundant[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_type_2_of_redundant[] = {
+    {"out_type_2", 1, 1, 1, NULL, P2, P3},
+    {"out_margins", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_type_2_of_redundant[] = {
+    P61, P61
+};
+static const char *const names_type_2_of_redundant[] = {
+    "jac_type_2_redundant", "jac_margins_redundant"
+};
+static const krhpr_casadi_function function_type_2_of_redundant = {
+    1, in_type_2_of_redundant, 2, out_type_2_of_redundant, value_type_2_of_redundant, tangent_type_2_of_redundant, structure_type_2_of_redundant, names_type_2_of_redundant
+};
+KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)

@@ -157,6 +157,43 @@ static inline void krhpr_platform_planar_a_line_tangent(
     }
 }
 
+/* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
+ * (1.34).  (11 add, 18 multiply, 1 sine cosine) */
+static inline void krhpr_platform_planar_a_line_of_redundant_tangent(
+    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
+    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+{
+    double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
+    const double l_c = g->l_r * h2;
+    const double l_s = g->l_r * h1;
+    const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s;
+    const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
+    const double a_0 = g->b[0] - r_l_0;
+    const double a_1 = g->b[1] - r_l_1;
+    line[0].v = a_0;
+    line[1].v = a_1;
+    line[2].v = g->b[0] * a_1 - g->b[1] * a_0;
+    point[0].v = r_l_0;
+    point[1].v = r_l_1;
+    scale[0].v = g->l_r;
+    scale[1].v = g->R_p;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->l_r * (h1 * redundant[0].t[k]);
+        const double t2 = g->l_r * (h2 * redundant[0].t[k]);
+        const double t3 = g->e_r[0] * t1;
+        const double t4 = g->e_r[1] * t2;
+        const double t5 = g->e_r[0] * t2 + g->e_r[1] * t1;
+        const double t6 = t4 - t3;
+        line[0].t[k] = t6;
+        line[1].t[k] = -t5;
+        line[2].t[k] = -(g->b[0] * t5 + g->b[1] * t6);
+        point[0].t[k] = t3 - t4;
+        point[1].t[k] = t5;
+        scale[0].t[k] = 0.0;
+        scale[1].t[k] = 0.0;
+    }
+}
+
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (28 add, 20 multiply) */
 static inline void krhpr_platform_planar_a_end_velocity_tangent(

@@ -47,7 +47,7 @@ static inline void krhpr_platform_planar_b_redundant_tangent(
     }
 }
 
-/* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).  (13 add,
+/* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).  (14 add,
  * 14 multiply) */
 static inline void krhpr_platform_planar_b_residual_tangent(
     const krhpr_platform_planar_b_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
@@ -57,7 +57,7 @@ static inline void krhpr_platform_planar_b_residual_tangent(
     const double u_1 = s[1].v - p[1].v;
     const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
     const double Qn_1 = g->t[0] * Q[3].v - g->t[1] * Q[2].v;
-    residual[0].v = g->h[0] - u_0 * Qn_0 - u_1 * Qn_1;
+    residual[0].v = g->k[2] - u_0 * Qn_0 - u_1 * Qn_1 - g->k[3];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = Qn_0 * (s[0].t[k] - p[0].t[k]) + u_0 * (g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k]);
         const double t2 = Qn_1 * (s[1].t[k] - p[1].t[k]) + u_1 * (g->t[0] * Q[3].t[k] - g->t[1] * Q[2].t[k]);
@@ -132,6 +132,35 @@ static inline void krhpr_platform_planar_b_line_tangent(
         point[1].t[k] = t8;
         N[0].t[k] = t1;
         N[1].t[k] = t2;
+        scale[0].t[k] = 0.0;
+        scale[1].t[k] = 0.0;
+    }
+}
+
+/* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
+ * (1.34).  (4 add, 8 multiply) */
+static inline void krhpr_platform_planar_b_line_of_redundant_tangent(
+    const krhpr_platform_planar_b_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
+    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+{
+    const double s_l_0 = g->m[0] + g->t[0] * redundant[0].v;
+    const double s_l_1 = g->m[1] + g->t[1] * redundant[0].v;
+    const double Qn_0 = -g->t[1];
+    line[0].v = Qn_0;
+    line[1].v = g->t[0];
+    line[2].v = g->t[0] * s_l_0 + g->t[1] * s_l_1;
+    point[0].v = s_l_0;
+    point[1].v = s_l_1;
+    scale[0].v = 1.0;
+    scale[1].v = 1.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->t[0] * redundant[0].t[k];
+        const double t2 = g->t[1] * redundant[0].t[k];
+        line[0].t[k] = 0.0;
+        line[1].t[k] = 0.0;
+        line[2].t[k] = g->t[0] * t1 + g->t[1] * t2;
+        point[0].t[k] = t1;
+        point[1].t[k] = t2;
         scale[0].t[k] = 0.0;
         scale[1].t[k] = 0.0;
     }

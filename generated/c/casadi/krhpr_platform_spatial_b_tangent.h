@@ -54,7 +54,7 @@ static inline void krhpr_platform_spatial_b_redundant_tangent(
 }
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.19), (2.21).
- * (27 add, 30 multiply) */
+ * (28 add, 30 multiply) */
 static inline void krhpr_platform_spatial_b_residual_tangent(
     const krhpr_platform_spatial_b_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
@@ -65,7 +65,7 @@ static inline void krhpr_platform_spatial_b_residual_tangent(
     const double Qn_0 = g->t[1] * Q[0].v - g->t[0] * Q[1].v;
     const double Qn_1 = g->t[1] * Q[3].v - g->t[0] * Q[4].v;
     const double Qn_2 = g->t[1] * Q[6].v - g->t[0] * Q[7].v;
-    residual[0].v = g->h[0] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2;
+    residual[0].v = g->k[2] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2 - g->k[3];
     residual[1].v = -(Q[2].v * u_0 + Q[5].v * u_1 + Q[8].v * u_2);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = s[0].t[k] - p[0].t[k];
@@ -198,6 +198,41 @@ static inline void krhpr_platform_spatial_b_line_tangent(
         N[3].t[k] = Q[2].t[k];
         N[4].t[k] = Q[5].t[k];
         N[5].t[k] = Q[8].t[k];
+        scale[0].t[k] = 0.0;
+        scale[1].t[k] = 0.0;
+    }
+}
+
+/* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
+ * (1.34).  (4 add, 8 multiply) */
+static inline void krhpr_platform_spatial_b_line_of_redundant_tangent(
+    const krhpr_platform_spatial_b_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
+    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+{
+    const double s_l_0 = g->m[0] + g->t[0] * redundant[0].v;
+    const double s_l_1 = g->m[1] + g->t[1] * redundant[0].v;
+    const double Qn_1 = -g->t[0];
+    line[0].v = g->t[1];
+    line[1].v = Qn_1;
+    line[2].v = 0.0;
+    line[3].v = 0.0;
+    line[4].v = 0.0;
+    line[5].v = -(g->t[0] * s_l_0 + g->t[1] * s_l_1);
+    point[0].v = s_l_0;
+    point[1].v = s_l_1;
+    scale[0].v = 1.0;
+    scale[1].v = 1.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->t[0] * redundant[0].t[k];
+        const double t2 = g->t[1] * redundant[0].t[k];
+        line[0].t[k] = 0.0;
+        line[1].t[k] = 0.0;
+        line[2].t[k] = 0.0;
+        line[3].t[k] = 0.0;
+        line[4].t[k] = 0.0;
+        line[5].t[k] = -(g->t[0] * t1 + g->t[1] * t2);
+        point[0].t[k] = t1;
+        point[1].t[k] = t2;
         scale[0].t[k] = 0.0;
         scale[1].t[k] = 0.0;
     }

@@ -202,6 +202,41 @@ static inline void krhpr_platform_spatial_c_line_tangent(
     }
 }
 
+/* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
+ * (1.34).  (2 add, 8 multiply) */
+static inline void krhpr_platform_spatial_c_line_of_redundant_tangent(
+    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
+    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+{
+    const double Qn_0 = -g->t[1];
+    const double b_0 = g->t[0] * redundant[0].v;
+    const double b_1 = g->t[1] * redundant[0].v;
+    line[0].v = Qn_0;
+    line[1].v = g->t[0];
+    line[2].v = 0.0;
+    line[3].v = 0.0;
+    line[4].v = 0.0;
+    line[5].v = g->t[0] * b_0 + g->t[1] * b_1;
+    point[0].v = b_0;
+    point[1].v = b_1;
+    scale[0].v = 1.0;
+    scale[1].v = 1.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->t[0] * redundant[0].t[k];
+        const double t2 = g->t[1] * redundant[0].t[k];
+        line[0].t[k] = 0.0;
+        line[1].t[k] = 0.0;
+        line[2].t[k] = 0.0;
+        line[3].t[k] = 0.0;
+        line[4].t[k] = 0.0;
+        line[5].t[k] = g->t[0] * t1 + g->t[1] * t2;
+        point[0].t[k] = t1;
+        point[1].t[k] = t2;
+        scale[0].t[k] = 0.0;
+        scale[1].t[k] = 0.0;
+    }
+}
+
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (39 add, 39 multiply) */
 static inline void krhpr_platform_spatial_c_end_velocity_tangent(

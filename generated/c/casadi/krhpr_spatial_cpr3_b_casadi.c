@@ -41,6 +41,7 @@
 #define krhpr_spatial_cpr3_b_passive_joints plain_passive_joints
 #define krhpr_spatial_cpr3_b_link_points plain_link_points
 #define krhpr_spatial_cpr3_b_singularity plain_singularity
+#define krhpr_spatial_cpr3_b_type_2_of_redundant plain_type_2_of_redundant
 #include "../krhpr_spatial_cpr3_b.c"
 #undef krhpr_spatial_cpr3_b_rotation_error
 #undef krhpr_spatial_cpr3_b_end_points
@@ -60,6 +61,7 @@
 #undef krhpr_spatial_cpr3_b_passive_joints
 #undef krhpr_spatial_cpr3_b_link_points
 #undef krhpr_spatial_cpr3_b_singularity
+#undef krhpr_spatial_cpr3_b_type_2_of_redundant
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -76,9 +78,9 @@ static const krhpr_spatial_cpr3_b_geometry geometry = {
         { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .tilt_1 = 0.9553166181245092, .turn_1 = 0.0, .x_1 = 0.03, .y_1 = 0.0, .z_1 = -0.01, .tilt_2 = 0.9553166181245092, .turn_2 = 2.0943951023931953, .x_2 = 0.0, .y_2 = -0.02, .z_2 = 0.005, .tilt_3 = 0.9553166181245092, .turn_3 = 4.1887902047863905, .x_3 = 0.01, .y_3 = 0.0, .z_3 = 0.04, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .e = {0.045875854768068686, 0.07945931129894582, 0.9957819157813603, 0.9644345083117604, 0.25623600659558193, -0.06487825599846084, -0.260310363079828, 0.9633427877821301, -0.06487825599846127}, .g = {-0.1331698729810779, -0.21065698604072056, 0.05830127018922193, -0.1281698729810779, -0.23199673200287618, 0.025980762113533167, -0.09852885682970038, -0.25065698604072056, 0.04830127018922194}, .k = {0.997895405949299, 0.0036452638251211976, 0.0456823465490549, 0.06986607917745292, 0.24712284703277906, -0.06257082892400011, 0.9322385148732482, -0.2507681108579, 0.01688848237494548, 0.9936862178478972, 0.07912414523193176, 0.9343431089239489, -0.016624145231931467, 0.07197067322815377, -0.06250000000000037, 0.00841837620280371, 0.9957908118985982, 0.9957908118985981, 64.0, 4.0, -0.49999999999999994, 0.28867513459481314, 1.6704779438076223e-52, -0.2874574785652651, -0.4978909578906801, 0.052972874199297235, -0.19381378215210238, 0.8190052204847238, 0.3535533905932736, 0.1437287392826322, -0.32840479024428565, 0.8395389666847902, -0.8061862178478973, -0.24165495129509726, -0.3535533905932735, -0.3562712607173675, -0.03972965564947213, 0.8395389666847901} }
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .h = {0.075}, .k = {0.0, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .h = {0.075}, .k = {0.03247595264191644, -0.03247595264191644} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .h = {0.075}, .k = {-0.03247595264191647, 0.03247595264191647} }
+        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .k = {0.0, 0.0, 0.075, 0.0} },
+        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .k = {0.03247595264191644, -0.03247595264191644, 0.018749999999999985, -0.056250000000000015} },
+        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .k = {-0.03247595264191647, 0.03247595264191647, 0.01875000000000003, -0.05624999999999997} }
     }
 };
 
@@ -1045,3 +1047,44 @@ static const krhpr_casadi_function function_singularity = {
 };
 KRHPR_CASADI_FUNCTION(NAME(singularity), function_singularity)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(singularity), function_singularity)
+
+/* -- type_2_of_redundant -- */
+
+static int value_type_2_of_redundant(const double *x, double *y)
+{
+    return plain_type_2_of_redundant(&geometry, x, y, y + 2);
+}
+
+static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    krhpr_dual *const type_2 = found;
+    krhpr_dual *const margins = found + 2;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual scale[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_line_of_redundant_tangent(
+            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_spatial_b_type_2_tangent(line, point, scale, type_2, margins);
+}
+
+static const krhpr_casadi_slot in_type_2_of_redundant[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_type_2_of_redundant[] = {
+    {"out_type_2", 2, 1, 1, NULL, P22, P23},
+    {"out_margins", 2, 1, 1, NULL, P22, P23},
+};
+static const casadi_int *const structure_type_2_of_redundant[] = {
+    P14, P14
+};
+static const char *const names_type_2_of_redundant[] = {
+    "jac_type_2_redundant", "jac_margins_redundant"
+};
+static const krhpr_casadi_function function_type_2_of_redundant = {
+    1, in_type_2_of_redundant, 2, out_type_2_of_redundant, value_type_2_of_redundant, tangent_type_2_of_redundant, structure_type_2_of_redundant, names_type_2_of_redundant
+};
+KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)

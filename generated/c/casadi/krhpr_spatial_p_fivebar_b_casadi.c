@@ -42,6 +42,7 @@
 #define krhpr_spatial_p_fivebar_b_passive_joints plain_passive_joints
 #define krhpr_spatial_p_fivebar_b_link_points plain_link_points
 #define krhpr_spatial_p_fivebar_b_singularity plain_singularity
+#define krhpr_spatial_p_fivebar_b_type_2_of_redundant plain_type_2_of_redundant
 #include "../krhpr_spatial_p_fivebar_b.c"
 #undef krhpr_spatial_p_fivebar_b_rotation_error
 #undef krhpr_spatial_p_fivebar_b_end_points
@@ -62,6 +63,7 @@
 #undef krhpr_spatial_p_fivebar_b_passive_joints
 #undef krhpr_spatial_p_fivebar_b_link_points
 #undef krhpr_spatial_p_fivebar_b_singularity
+#undef krhpr_spatial_p_fivebar_b_type_2_of_redundant
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -78,9 +80,9 @@ static const krhpr_spatial_p_fivebar_b_geometry geometry = {
         { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, -0.1250000000000001, -0.2165063509461096, 0.0} }
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .h = {0.075}, .k = {0.0, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .h = {0.075}, .k = {0.03247595264191644, -0.03247595264191644} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .h = {0.075}, .k = {-0.03247595264191647, 0.03247595264191647} }
+        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .k = {0.0, 0.0, 0.075, 0.0} },
+        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .k = {0.03247595264191644, -0.03247595264191644, 0.018749999999999985, -0.056250000000000015} },
+        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .k = {-0.03247595264191647, 0.03247595264191647, 0.01875000000000003, -0.05624999999999997} }
     }
 };
 
@@ -1099,3 +1101,44 @@ static const krhpr_casadi_function function_singularity = {
 };
 KRHPR_CASADI_FUNCTION(NAME(singularity), function_singularity)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(singularity), function_singularity)
+
+/* -- type_2_of_redundant -- */
+
+static int value_type_2_of_redundant(const double *x, double *y)
+{
+    return plain_type_2_of_redundant(&geometry, x, y, y + 2);
+}
+
+static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    krhpr_dual *const type_2 = found;
+    krhpr_dual *const margins = found + 2;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual scale[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_line_of_redundant_tangent(
+            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_spatial_b_type_2_tangent(line, point, scale, type_2, margins);
+}
+
+static const krhpr_casadi_slot in_type_2_of_redundant[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_type_2_of_redundant[] = {
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
+};
+static const casadi_int *const structure_type_2_of_redundant[] = {
+    P14, P14
+};
+static const char *const names_type_2_of_redundant[] = {
+    "jac_type_2_redundant", "jac_margins_redundant"
+};
+static const krhpr_casadi_function function_type_2_of_redundant = {
+    1, in_type_2_of_redundant, 2, out_type_2_of_redundant, value_type_2_of_redundant, tangent_type_2_of_redundant, structure_type_2_of_redundant, names_type_2_of_redundant
+};
+KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)

@@ -42,6 +42,7 @@
 #define krhpr_spatial_ups3_a_passive_joints plain_passive_joints
 #define krhpr_spatial_ups3_a_link_points plain_link_points
 #define krhpr_spatial_ups3_a_singularity plain_singularity
+#define krhpr_spatial_ups3_a_type_2_of_redundant plain_type_2_of_redundant
 #include "../krhpr_spatial_ups3_a.c"
 #undef krhpr_spatial_ups3_a_rotation_error
 #undef krhpr_spatial_ups3_a_end_points
@@ -62,6 +63,7 @@
 #undef krhpr_spatial_ups3_a_passive_joints
 #undef krhpr_spatial_ups3_a_link_points
 #undef krhpr_spatial_ups3_a_singularity
+#undef krhpr_spatial_ups3_a_type_2_of_redundant
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -1056,3 +1058,44 @@ static const krhpr_casadi_function function_singularity = {
 };
 KRHPR_CASADI_FUNCTION(NAME(singularity), function_singularity)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(singularity), function_singularity)
+
+/* -- type_2_of_redundant -- */
+
+static int value_type_2_of_redundant(const double *x, double *y)
+{
+    return plain_type_2_of_redundant(&geometry, x, y, y + 2);
+}
+
+static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    krhpr_dual *const type_2 = found;
+    krhpr_dual *const margins = found + 2;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual scale[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_line_of_redundant_tangent(
+            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+    }
+    krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
+}
+
+static const krhpr_casadi_slot in_type_2_of_redundant[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_type_2_of_redundant[] = {
+    {"out_type_2", 2, 1, 1, NULL, P22, P23},
+    {"out_margins", 2, 1, 1, NULL, P22, P23},
+};
+static const casadi_int *const structure_type_2_of_redundant[] = {
+    P14, P14
+};
+static const char *const names_type_2_of_redundant[] = {
+    "jac_type_2_redundant", "jac_margins_redundant"
+};
+static const krhpr_casadi_function function_type_2_of_redundant = {
+    1, in_type_2_of_redundant, 2, out_type_2_of_redundant, value_type_2_of_redundant, tangent_type_2_of_redundant, structure_type_2_of_redundant, names_type_2_of_redundant
+};
+KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)

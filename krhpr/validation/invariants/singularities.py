@@ -7,7 +7,7 @@ import numpy as np
 from krhpr.codegen.composition import Status
 from krhpr.codegen.kernel import LEGS
 from krhpr.validation.differences import call
-from krhpr.validation.invariants.batch import runner
+from krhpr.validation.invariants.batch import close, runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.sampling import Batch, redundant_box
@@ -36,6 +36,13 @@ def margins(one: Numeric, batch: Batch, found: Measured) -> None:
 
     inputs["s"] = run("end_points")["s"]
     found.worse((run("singularity")["margins"] <= 0).astype(float), "a margin is not positive")
+
+
+def type_2_of_redundant(one: Numeric, batch: Batch, found: Measured) -> None:
+    """Without a pose the same as with one."""
+    result, wanted = call(one, batch, "type_2_of_redundant"), call(one, batch, "singularity")
+    for name in ("type_2", "margins"):
+        close(found, result[name], wanted[name], name, 0)
 
 
 STRAIGHT = {"subleg_rrr": 2, "subleg_planar_rr": 1}
@@ -88,5 +95,6 @@ def _singular_platforms(subject: Subject, batch: Batch) -> list[tuple[Status, Fl
 RUNNERS: dict[str, Runner] = {
     "determinants": runner(determinants),
     "margins": runner(margins),
+    "type II of the redundant coordinates": runner(type_2_of_redundant),
     "singular configurations": runner(singular_configurations),
 }

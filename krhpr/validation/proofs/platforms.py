@@ -31,7 +31,7 @@ from krhpr.validation.linear import (
     times,
     transpose,
 )
-from krhpr.validation.numbers import Exact
+from krhpr.validation.numbers import Angle, Exact
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.proofs import thesis
 from krhpr.validation.proofs.sublegs import fields, proof, tangent_kernel, unit
@@ -130,6 +130,13 @@ def lines(subject: Subject, here: Configuration, leg: int, found: Measured) -> N
     if not subject.planar:
         q_z = [row[2] for row in matrix(here.values["Q"], d)]
         found.equal(J[1], [*q_z, *cross(arm, q_z)], "normal row")
+
+
+def line_of_redundant(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """Line and end point without a pose are those with one."""
+    result, wanted = (here.kernel("platform", name, leg) for name in ("line_of_redundant", "line"))
+    for name in ("line", "point", "scale"):
+        found.equal(result[name], wanted[name], name)
 
 
 def end_motion(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -264,6 +271,50 @@ def determinants(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+def degree(subject: Subject, check: Check, count: int) -> Measured:
+    """Both factors as functions of one redundant coordinate, the others held, from a few of their values."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    angular = subject.platform.redundant_joint.kind == "revolute"
+    for _ in range(count):
+        here = configuration(subject, source)
+        for leg in range(LEGS):
+
+            def factors(value: Any, leg: int = leg, here: Configuration = here) -> list[Any]:
+                redundant = list(here.values["redundant"])
+                redundant[leg] = value
+                return _factors(here, redundant)
+
+            if angular:
+                angle = source.angle()
+                zero, quarter, half = (Angle(*pair) for pair in ((1, 0), (0, 1), (-1, 0)))
+                for index, (f, f_0, f_1, f_2) in enumerate(
+                    zip(factors(angle), factors(zero), factors(quarter), factors(half), strict=True)
+                ):
+                    constant = HALF * (f_0 + f_2) if index else Exact(0)
+                    sinusoid = (f_0 - constant) * angle.cos() + (f_1 - constant) * angle.sin()
+                    found.equal([f], [constant + sinusoid], f"factor {index}, leg {leg + 1}")
+            else:
+                value = source.nonzero()
+                line = [
+                    a + value * (b - a) for a, b in zip(factors(Exact(0)), factors(Exact(1)), strict=True)
+                ]
+                found.equal(factors(value), line, f"leg {leg + 1}")
+        found.samples += 1
+    return found
+
+
+def _factors(here: Configuration, redundant: list[Any]) -> list[Any]:
+    """The factors of det J at other redundant coordinates."""
+    gathered: dict[str, list[Any]] = {"line": [], "point": [], "scale": []}
+    for leg in range(LEGS):
+        result = here.kernel("platform", "line_of_redundant", leg, redundant=redundant[leg])
+        for name, values in gathered.items():
+            values += result[name]
+    kernel = here.subject.derived("platform", "type_2")
+    return evaluate_kernel(kernel, gathered, None, here.arithmetic)["type_2"]
+
+
 def equilateral(subject: Subject, check: Check, count: int) -> Measured:
     """The formulas of the errata for an equilateral platform, factors and margins."""
     found = Measured(check)
@@ -368,10 +419,12 @@ RUNNERS: dict[str, Runner] = {
     "rows": proof(rows_are_derivatives),
     "thesis rows": proof(thesis_rows),
     "lines": proof(lines),
+    "line of the redundant coordinate": proof(line_of_redundant),
     "end velocity and acceleration": proof(end_motion),
     "row bias": proof(row_bias),
     "solve": solving,
     "determinant of J": determinants,
+    "degree": degree,
     "equilateral": equilateral,
     "joint": proof(joint),
 }

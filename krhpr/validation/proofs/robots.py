@@ -106,9 +106,17 @@ def determinants(subject: Subject, here: Configuration, found: Measured) -> None
     found.equal([determinant(M) for M in _sublegs(here)], result["type_1"], "det M")
 
 
+def type_2_of_redundant(subject: Subject, here: Configuration, found: Measured) -> None:
+    """Factors and margins without a pose are those with one."""
+    result, wanted = here.call("type_2_of_redundant"), here.call("singularity")
+    for name in ("type_2", "margins"):
+        found.equal(result[name], wanted[name], name)
+
+
 RUNNERS: dict[str, Runner] = {
     "joint motion": proof(joint_motion),
     "inverse maps": proof(inverse_maps),
     "velocity equation": proof(velocity_equation),
     "det J": proof(determinants),
+    "type II of the redundant coordinates": proof(type_2_of_redundant),
 }

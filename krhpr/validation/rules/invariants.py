@@ -114,6 +114,14 @@ INVARIANTS = (
         ("end_points",),
     ),
     Rule(
+        "type II of the redundant coordinates",
+        "type_2_of_redundant",
+        ROUND_TRIP,
+        BATCH,
+        "Factors of det J and margins are those that `singularity` gives at the pose.",
+        ("singularity",),
+    ),
+    Rule(
         "singular configurations",
         "twist",
         EXACT,

@@ -144,6 +144,14 @@ PLATFORM_PROOFS = (
         "Lines and points are the rows of J and S_i in the platform frame.",
     ),
     Proof(
+        "line of the redundant coordinate",
+        "line_of_redundant",
+        EXACT,
+        MANY,
+        "Line, end point and scale are those of `line` at the end point of any pose.",
+        ("line", "end_point"),
+    ),
+    Proof(
         "end velocity and acceleration",
         "end_velocity",
         EXACT,
@@ -172,6 +180,15 @@ PLATFORM_PROOFS = (
         EXACT,
         MANY,
         "det J = det J_a det J_n, and both equal their closed forms in the redundant coordinates.",
+    ),
+    Proof(
+        "degree",
+        "type_2",
+        EXACT,
+        MANY,
+        "As functions of one redundant angle det J_a is a cos + b sin and det J_n a constant more; as "
+        "functions of one slide both are affine. This is what certificates rest on.",
+        ("line_of_redundant",),
     ),
     Proof(
         "equilateral",
@@ -226,5 +243,13 @@ ROBOT_PROOFS = (
         FEW,
         "det J equals the product of its factors, det M those of the legs.",
         ("jacobians", "subleg_jacobian"),
+    ),
+    Proof(
+        "type II of the redundant coordinates",
+        "type_2_of_redundant",
+        EXACT,
+        FEW,
+        "Factors and margins are those that `singularity` gives at any pose.",
+        ("singularity",),
     ),
 )
