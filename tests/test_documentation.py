@@ -113,7 +113,8 @@ def expected_lines(code: str) -> list[str]:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")])
-def test_python_of_a_page_runs_and_prints_what_it_says(page: str) -> None:
+def test_python_of_a_page_runs_and_prints_what_it_says(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)  # paths of a page are those of a clone
     namespace: dict[str, Any] = {"__name__": "snippet"}
     for first, code in blocks(page, "python"):
         printed = io.StringIO()

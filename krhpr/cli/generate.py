@@ -164,9 +164,7 @@ def _orders(names: Sequence[str], *, bake: bool) -> tuple[list[Entry], list[Cust
             entry, custom = known[name], _baked(known[name]) if bake else None
         called = custom.name if custom else entry.identifier
         if called in seen:
-            raise WrongUse(
-                f"{seen[called]} and {name} are both called {called}; give one of them another name"
-            )
+            raise WrongUse(f"{seen[called]} and {name} are both called {called}; rename one of them")
         seen[called] = name
         entries.append(entry)
         customs.append(custom)

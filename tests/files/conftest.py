@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import cli
 from tests.files.support import Write, dedent
+
+__all__ = ["cli", "write"]
 
 
 @pytest.fixture

@@ -14,7 +14,6 @@ import yaml
 import krhpr
 from krhpr.robot_files.facts import facts_of_code
 from krhpr.robot_files.schema import schema, schema_text
-from tests.cli.conftest import cli  # noqa: F401
 from tests.cli.support import Cli
 from tests.files.support import EXAMPLE, FIVEBAR, PLANAR, Write, facts_of, head, problems
 from tests.support import ROOT, derived_robots, run_python
@@ -43,7 +42,7 @@ def test_it_does_not_depend_on_what_is_generated() -> None:
     assert schema(facts) == validator().schema
 
 
-def test_the_command_prints_it(cli: Cli) -> None:  # noqa: F811
+def test_the_command_prints_it(cli: Cli) -> None:
     result = cli("schema")
     assert (result.code, result.out) == (0, PUBLISHED.read_text(encoding="utf-8"))
 
