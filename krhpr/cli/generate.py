@@ -131,11 +131,13 @@ def generated_folder() -> Path:
 
 
 def _entries(names: Sequence[str]) -> list[Entry]:
+    """The robots of the catalogue with these names (all of them where there are none); robot files apart."""
     from krhpr.derivations.catalogue import catalogue
+    from krhpr.robot_files import is_robot_file
 
     known = {entry.identifier: entry for entry in catalogue()}
     for name in names:
-        if name not in known:
+        if name not in known and not is_robot_file(name):
             raise UnknownRobot.among(name, list(known))
     return [entry for identifier, entry in known.items() if not names or identifier in names]
 
@@ -150,7 +152,7 @@ def _orders(names: Sequence[str], *, bake: bool) -> tuple[list[Entry], list[Cust
     """The robots of the catalogue to derive, and what their robot files (or --bake) change in them."""
     from krhpr.robot_files import is_robot_file
 
-    known = {entry.identifier: entry for entry in _entries([n for n in names if not is_robot_file(n)])}
+    known = {entry.identifier: entry for entry in _entries(names)}
     if not names:
         return list(known.values()), [_baked(entry) if bake else None for entry in known.values()]
     entries: list[Entry] = []

@@ -26,7 +26,11 @@ def schema_text(robots: Sequence[Facts]) -> str:
 
 
 def schema(robots: Sequence[Facts]) -> Schema:
-    """The schema for a catalogue of robots."""
+    """The schema for a catalogue of robots.
+
+    What robots have in common (a joint of their sub-leg, say) stands once, below `$defs`.
+    """
+    shared = Shared()
 
     def names(of: str) -> list[str]:
         return sorted({getattr(facts, of) for facts in robots})
@@ -67,9 +71,32 @@ def schema(robots: Sequence[Facts]) -> Schema:
             },
         },
         "anyOf": [_chosen(facts) for facts in robots],
-        "allOf": [{"if": _chosen(facts), "then": {"properties": _of_robot(facts)}} for facts in robots],
-        "$defs": _definitions(),
+        "allOf": [
+            {"if": _chosen(facts), "then": {"properties": _of_robot(facts, shared)}} for facts in robots
+        ],
+        "$defs": {**_definitions(), **shared.definitions},
     }
+
+
+class Shared:
+    """Parts of the schema by their content, each with a name of its own."""
+
+    def __init__(self) -> None:
+        self.definitions: Schema = {}
+        self._names: dict[str, str] = {}
+
+    def __call__(self, stem: str, part: Schema) -> Schema:
+        """A reference to a part, which is kept unless one like it is there."""
+        text = json.dumps(part)
+        if text not in self._names:
+            taken = sum(name.rpartition(".")[0] == stem for name in self.definitions)
+            self._names[text] = f"{stem}.{taken + 1}"
+            self.definitions[self._names[text]] = part
+        return {"$ref": f"#/$defs/{self._names[text]}"}
+
+    def table(self, stem: str, fields: Schema) -> Schema:
+        """An object with these fields and no others, by reference; so are its fields."""
+        return self(stem, _object({name: self(name, field) for name, field in fields.items()}))
 
 
 def _chosen(facts: Facts) -> Schema:
@@ -80,50 +107,47 @@ def _chosen(facts: Facts) -> Schema:
     }
 
 
-def _of_robot(facts: Facts) -> Schema:
+def _of_robot(facts: Facts, shared: Shared) -> Schema:
+    passive = {joint.name: _joint(joint) for joint in facts.passive}
+    if facts.spherical is not None:
+        passive[facts.spherical.name] = _spherical(facts.spherical)
     return {
-        "geometry": _object({field.name: _field(field) for field in facts.fields}),
-        "home": {
-            **_object(
-                {
-                    "p": {
-                        "description": "Position of O' in the base frame (m).",
-                        "type": "array",
-                        "items": {"$ref": "#/$defs/length"},
-                        "minItems": dimension(facts),
-                        "maxItems": dimension(facts),
-                    },
-                    "redundant": {
-                        "description": f"Redundant coordinates ({_UNIT_TEXT[redundant_kind(facts)]}).",
-                        "$ref": f"#/$defs/{_name(redundant_kind(facts))}_of_legs",
-                    },
-                }
-            ),
-            "required": ["p", "redundant"],
-        },
+        "geometry": shared.table("geometry", {field.name: _field(field) for field in facts.fields}),
+        "home": shared("home", {**_object(_home(facts)), "required": ["p", "redundant"]}),
         "limits": _object(
             {
-                "actuators": _object({joint.name: _joint(joint) for joint in facts.actuators}),
-                "passive": _object(
-                    {joint.name: _joint(joint) for joint in facts.passive}
-                    | ({facts.spherical.name: _spherical(facts.spherical)} if facts.spherical else {})
+                "actuators": shared.table(
+                    "actuators", {joint.name: _joint(joint) for joint in facts.actuators}
                 ),
-                "link_radii": _object(
-                    {
-                        link: {
-                            "description": f"Radius of {link} as a cylinder ({_UNIT_TEXT[Kind.LENGTH]}).",
-                            "$ref": "#/$defs/radius_of_legs",
-                        }
-                        for link in facts.links
-                    }
-                ),
-                "clearance": {
-                    "description": "Least distance between the surfaces of links that no joint joins "
-                    f"({_UNIT_TEXT[Kind.LENGTH]}).",
-                    "$ref": "#/$defs/radius",
-                },
+                "passive": shared.table("passive", passive),
+                "link_radii": shared.table("link_radii", {link: _radius(link) for link in facts.links}),
+                "clearance": {"$ref": "#/$defs/clearance"},
             }
         ),
+    }
+
+
+def _home(facts: Facts) -> Schema:
+    kind = redundant_kind(facts)
+    return {
+        "p": {
+            "description": "Position of O' in the base frame (m).",
+            "type": "array",
+            "items": {"$ref": "#/$defs/length"},
+            "minItems": dimension(facts),
+            "maxItems": dimension(facts),
+        },
+        "redundant": {
+            "description": f"Redundant coordinates ({_UNIT_TEXT[kind]}).",
+            "$ref": f"#/$defs/{_name(kind)}_of_legs",
+        },
+    }
+
+
+def _radius(link: str) -> Schema:
+    return {
+        "description": f"Radius of {link} as a cylinder ({_UNIT_TEXT[Kind.LENGTH]}).",
+        "$ref": "#/$defs/radius_of_legs",
     }
 
 
@@ -184,6 +208,11 @@ def _definitions() -> Schema:
         "size": _quantity(Kind.LENGTH, exclusiveMinimum=0),
         "radius": _quantity(Kind.LENGTH, minimum=0),
         "tilt": _quantity(Kind.ANGLE, exclusiveMinimum=0),
+        "clearance": {
+            "description": "Least distance between the surfaces of links that no joint joins "
+            f"({_UNIT_TEXT[Kind.LENGTH]}).",
+            "$ref": "#/$defs/radius",
+        },
         "cone": {
             "anyOf": [
                 {"$ref": "#/$defs/tilt"},

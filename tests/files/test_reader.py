@@ -97,7 +97,7 @@ def test_the_name_is_the_files_unless_given(write: Write, tmp_path: Path) -> Non
         ("space: [spatial]\n", 1, "space", "found a list of 1, expected one of planar, spatial"),
         ("space: on\n", 1, "space", "found on (true or false), expected one of"),
         ("space:\n", 1, "space", "found nothing, expected one of"),
-        ("space: spatial\nsubleg: five_bar\narrangement: a\n", 2, "subleg", "did you mean r_fivebar?"),
+        ("space: spatial\nsubleg: five_bar\narrangement: a\n", 2, "subleg", "did you mean r_fivebar"),
         ("space: planar\nsubleg: r_fivebar\narrangement: a\n", 2, "subleg", "for planar"),
         ("space: spatial\nsubleg: rrr\narrangement: z\n", 3, "arrangement", "for spatial_rrr"),
         (FIVEBAR + "geometri: {}\n", 4, "geometri", "unknown field 'geometri'; did you mean geometry"),

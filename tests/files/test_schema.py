@@ -28,6 +28,11 @@ def validator() -> Any:
     return jsonschema.Draft202012Validator(found)
 
 
+def resolved(part: dict[str, Any]) -> Any:
+    """What a reference refers to."""
+    return validator().schema["$defs"][part["$ref"].removeprefix("#/$defs/")]
+
+
 def accepts(text: str) -> bool:
     return bool(validator().is_valid(yaml.safe_load(text)))
 
@@ -98,9 +103,9 @@ def test_reader_and_schema_are_of_one_mind(text: str, write: Write) -> None:
 
 def test_fields_say_what_they_are_in_which_unit_and_by_default() -> None:
     for robot, rules in zip(krhpr.catalogue(), validator().schema["allOf"], strict=True):
-        fields = rules["then"]["properties"]["geometry"]["properties"]
+        fields = resolved(rules["then"]["properties"]["geometry"])["properties"]
         for field in facts_of(robot).fields:
-            entry = fields[field.name]
+            entry = resolved(fields[field.name])
             assert field.doc in entry["description"]
             assert ("deg" if field.kind == "rad" else "mm") in entry["description"]
             assert entry["default"] in (field.default[0], list(field.default))
