@@ -35,7 +35,7 @@ from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
 
 ROOT = Path(__file__).resolve().parent.parent
-LANGUAGES = {".py": "python", ".h": "c", ".c": "c", ".j2": "jinja", ".sh": "sh"}
+LANGUAGES = {".py": "python", ".h": "c", ".c": "c", ".j2": "jinja", ".sh": "sh", ".yaml": "yaml"}
 REGION = re.compile(r"(<!-- show: (?P<what>.+?) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

@@ -26,16 +26,23 @@ if TYPE_CHECKING:
         Unreachable,
     )
     from krhpr.generated.python.runtime import Geometry, Status
+    from krhpr.limits import Cone, Interval, Limits
     from krhpr.loading import catalogue, load
     from krhpr.robot import Robot
+    from krhpr.robot_files.problems import RobotFileError, RobotFileWarning
 
 # found on first use, so that generating works while generated/ is empty or of another version
 _HOME = {
+    "Cone": "krhpr.limits",
     "GeneratedMismatch": "krhpr.errors",
     "Geometry": "krhpr.generated.python.runtime",
+    "Interval": "krhpr.limits",
     "InvalidInput": "krhpr.errors",
     "KrhprError": "krhpr.errors",
+    "Limits": "krhpr.limits",
     "Robot": "krhpr.robot",
+    "RobotFileError": "krhpr.robot_files.problems",
+    "RobotFileWarning": "krhpr.robot_files.problems",
     "Singular": "krhpr.errors",
     "Status": "krhpr.generated.python.runtime",
     "UnknownBranch": "krhpr.errors",
@@ -46,11 +53,16 @@ _HOME = {
 }
 
 __all__ = [
+    "Cone",
     "GeneratedMismatch",
     "Geometry",
+    "Interval",
     "InvalidInput",
     "KrhprError",
+    "Limits",
     "Robot",
+    "RobotFileError",
+    "RobotFileWarning",
     "Singular",
     "Status",
     "UnknownBranch",

@@ -1,14 +1,21 @@
-"""The catalogue of generated robots, and loading one by name."""
+"""The catalogue of generated robots, and loading one by its name there or by a robot file."""
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 
 import krhpr.generated
 from krhpr import __version__
 from krhpr.backend import backend_name
 from krhpr.errors import GeneratedMismatch, UnknownRobot
+from krhpr.generated.python.runtime import Geometry
 from krhpr.robot import Robot
+from krhpr.robot_files.closing import geometry_of
+from krhpr.robot_files.facts import facts_of_module
+from krhpr.robot_files.reader import RobotFile, is_robot_file, read_robot_file
 
 
 def catalogue() -> tuple[str, ...]:
@@ -17,16 +24,42 @@ def catalogue() -> tuple[str, ...]:
     return tuple(krhpr.generated.ROBOTS)
 
 
-def load(identifier: str, *, backend: str | None = None) -> Robot:
-    """A robot of the catalogue, with its default geometry.
+def load(robot: str | os.PathLike[str], *, backend: str | None = None) -> Robot:
+    """A robot of the catalogue with its default geometry, or that of a robot file (a path, or a name that
+    ends in .yaml or .yml): the catalogue's kernels with the file's name, geometry and limits.
 
     `backend` is `auto` (compiled kernels where there is a compiler, else NumPy), `compiled` or `numpy`; the
     environment variable KRHPR_BACKEND sets it for all.
+
+    Raises UnknownRobot, or, for a file, RobotFileError and OSError.
     """
-    if identifier not in catalogue():
-        raise UnknownRobot.among(identifier, catalogue())
+    if not isinstance(robot, str) or is_robot_file(robot):
+        backend_name(backend)
+        return _load_file(Path(robot), backend)
+    if robot not in catalogue():
+        raise UnknownRobot.among(robot, catalogue())
     backend_name(backend)
-    return Robot(import_module(f"krhpr.generated.python.{identifier}"), backend=backend)
+    return Robot(_module(robot), backend=backend)
+
+
+def checked_file(path: Path) -> RobotFile:
+    """A robot file, checked against the robots that are generated, and closing at its home pose."""
+    return _checked(path)[0]
+
+
+def _checked(path: Path) -> tuple[RobotFile, ModuleType, Geometry]:
+    file = read_robot_file(path, catalogue(), lambda identifier: facts_of_module(_module(identifier)))
+    module = _module(file.identifier)
+    return file, module, geometry_of(file, module)
+
+
+def _load_file(path: Path, backend: str | None) -> Robot:
+    file, module, geometry = _checked(path)
+    return Robot(module, geometry, backend, name=file.name, limits=file.limits)
+
+
+def _module(identifier: str) -> ModuleType:
+    return import_module(f"krhpr.generated.python.{identifier}")
 
 
 def _check_version() -> None:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from krhpr.backend import Backend, BackendName, make_backend
 from krhpr.errors import InvalidInput, NoConvergence, Singular, UnknownBranch, Unreachable
 from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
+from krhpr.limits import Limits
 
 ROTATION_TOLERANCE = 1e-6
 """Largest element of |Q^T Q - I| that passes for a rotation matrix."""
@@ -46,10 +47,20 @@ class Robot:
     """
 
     def __init__(
-        self, module: ModuleType, geometry: Geometry | None = None, backend: str | None = None
+        self,
+        module: ModuleType,
+        geometry: Geometry | None = None,
+        backend: str | None = None,
+        *,
+        name: str | None = None,
+        limits: Limits | None = None,
     ) -> None:
         self._module = module
         self._backend_name = backend
+        self.name: str = self.identifier if name is None else name
+        """What it is called: the name in its robot file, else the catalogue's identifier."""
+        self.limits: Limits = Limits() if limits is None else limits
+        """Limits of joints and links that its robot file gives; nothing is held to them by itself."""
         self.geometry: Geometry = module.DEFAULT_GEOMETRY if geometry is None else geometry
 
     # -- what it is -----------------------------------------------------------------------------------------
@@ -146,7 +157,8 @@ class Robot:
         """The same robot with other lengths or angles: `robot.with_geometry(l_2=0.32)`; three values where
         legs differ.
         """
-        return Robot(self._module, self.geometry.replace(**changes), self._backend_name)
+        geometry = self.geometry.replace(**changes)
+        return Robot(self._module, geometry, self._backend_name, name=self.name, limits=self.limits)
 
     @property
     def backend(self) -> BackendName:
@@ -159,10 +171,12 @@ class Robot:
         return CasadiFunctions(self.identifier, self.geometry)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self._module.__name__, self.geometry, self._backend_name)
+        state = (self._module.__name__, self.geometry, self._backend_name, self.name, self.limits)
+        return _restored, state
 
     def __repr__(self) -> str:
-        return f"<Robot {self.identifier} {self.notation}: {self.title}>"
+        own = "" if self.name == self.identifier else f"{self.name}, "
+        return f"<Robot {own}{self.identifier} {self.notation}: {self.title}>"
 
     # -- position -------------------------------------------------------------------------------------------
 
@@ -632,9 +646,9 @@ _MEANING = {
 }
 
 
-def _restored(module: str, geometry: Geometry, backend: str | None) -> Robot:
+def _restored(module: str, geometry: Geometry, backend: str | None, name: str, limits: Limits) -> Robot:
     """A robot out of a pickle."""
-    return Robot(import_module(module), geometry, backend)
+    return Robot(import_module(module), geometry, backend, name=name, limits=limits)
 
 
 def _shape_text(port: Port) -> str:

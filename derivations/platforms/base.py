@@ -21,6 +21,7 @@ import sympy as sp
 from krhpr.codegen.kernel import GeometryType, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.kernels import PlatformKernels, PlatformPorts
+from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.terms import Joint, Pose, Space
 
 
@@ -39,6 +40,8 @@ class Platform(ABC):
     equations: str
     type_2_doc: str
     margins_doc: str
+    requirements: tuple[Requirement, ...] = ()
+    """What it requires of the sizes of all three legs together."""
 
     # -- what an arrangement's file states ------------------------------------------------------------------
 

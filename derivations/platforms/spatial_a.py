@@ -15,6 +15,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.terms import Joint, JointKind, Pose, Space
 from krhpr.derivations.vectors import cross, dot
 
@@ -60,6 +61,7 @@ class SpatialA(Platform):
         "Redundant links from the spherical joints to revolute joints whose axes are normal to the platform."
     )
     redundant_joint = BETA
+    requirements = (Requirement.END_POINTS_NEVER_COLLINEAR,)
     equations = "(1.1), (1.2)"
     type_2_doc = (
         "Singular where the three redundant links' lines meet in a point or are parallel (det"

@@ -34,6 +34,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import GeometryType, Kernel, Port
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
 from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured
@@ -107,6 +108,8 @@ class SubLeg(ABC):
     swivel: Joint | None = None
     """The coordinate of a redundant sub-leg that is free when its end point is given."""
     links: tuple[Link, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
+    """What it requires of the sizes of all three legs together."""
     default_mode: str = ONLY
     default_assembly: str = ONLY
     equations: str = ""

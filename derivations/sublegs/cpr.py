@@ -31,7 +31,7 @@ class CPR3(ChainSubLeg):
 
     name = "cpr3"
     space = Space.SPATIAL
-    notation = "3-CPR"
+    notation = "(3-CPR)"
     section = "2.4.3"
     doc = "Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint."
     equations = "2.4.3"

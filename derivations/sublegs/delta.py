@@ -29,7 +29,7 @@ class Delta(ChainSubLeg):
 
     name = "delta"
     space = Space.SPATIAL
-    notation = "Delta"
+    notation = "(Delta)"
     section = "2.4.4"
     doc = (
         "Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its "

@@ -29,7 +29,7 @@ class UPS3(ChainSubLeg):
 
     name = "ups3"
     space = Space.SPATIAL
-    notation = "3-UPS"
+    notation = "(3-UPS)"
     section = "2.4.4"
     doc = "Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i."
     equations = "2.4.4"
@@ -96,7 +96,7 @@ class UPU3(UPS3):
     """
 
     name = "upu3"
-    notation = "3-UPU"
+    notation = "(3-UPU)"
     doc = (
         "Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its "
         "orientation, S_i is on it."

@@ -29,7 +29,7 @@ class Tripteron(SubLeg):
 
     name = "tripteron"
     space = Space.SPATIAL
-    notation = "Tripteron"
+    notation = "(Tripteron)"
     section = "2.4.4"
     doc = "Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone."
     equations = "2.4.4"

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-CPRSR (spatial_cpr3_a).
+/* krhpr: 3-[(3-CPR)SR] (spatial_cpr3_a).
  *
  * Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint.  Redundant
  * links from the spherical joints to revolute joints whose axes are normal to the platform.

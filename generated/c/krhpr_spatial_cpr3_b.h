@@ -1,4 +1,4 @@
-/* krhpr: 3-3-CPRSP (spatial_cpr3_b).
+/* krhpr: 3-[(3-CPR)SP] (spatial_cpr3_b).
  *
  * Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint.  Spherical
  * joints on links that slide along tangential lines of the platform.

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-CPRSP (spatial_cpr3_c).
+/* krhpr: 3-[(3-CPR)SP] (spatial_cpr3_c).
  *
  * Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint.  Spherical
  * joints that slide along radial lines through the platform's centre.

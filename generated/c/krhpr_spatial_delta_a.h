@@ -1,4 +1,4 @@
-/* krhpr: 3-DeltaSR (spatial_delta_a).
+/* krhpr: 3-[(Delta)SR] (spatial_delta_a).
  *
  * Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its platform's
  * orientation.  Redundant links from the spherical joints to revolute joints whose axes are normal to the

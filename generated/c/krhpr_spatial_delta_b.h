@@ -1,4 +1,4 @@
-/* krhpr: 3-DeltaSP (spatial_delta_b).
+/* krhpr: 3-[(Delta)SP] (spatial_delta_b).
  *
  * Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its platform's
  * orientation.  Spherical joints on links that slide along tangential lines of the platform.

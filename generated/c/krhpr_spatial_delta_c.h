@@ -1,4 +1,4 @@
-/* krhpr: 3-DeltaSP (spatial_delta_c).
+/* krhpr: 3-[(Delta)SP] (spatial_delta_c).
  *
  * Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its platform's
  * orientation.  Spherical joints that slide along radial lines through the platform's centre.

@@ -1,4 +1,4 @@
-/* krhpr: 3-TripteronSR (spatial_tripteron_a).
+/* krhpr: 3-[(Tripteron)SR] (spatial_tripteron_a).
  *
  * Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone.
  * Redundant links from the spherical joints to revolute joints whose axes are normal to the platform.

@@ -1,4 +1,4 @@
-/* krhpr: 3-TripteronSP (spatial_tripteron_b).
+/* krhpr: 3-[(Tripteron)SP] (spatial_tripteron_b).
  *
  * Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone.
  * Spherical joints on links that slide along tangential lines of the platform.

@@ -1,4 +1,4 @@
-/* krhpr: 3-TripteronSP (spatial_tripteron_c).
+/* krhpr: 3-[(Tripteron)SP] (spatial_tripteron_c).
  *
  * Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone.
  * Spherical joints that slide along radial lines through the platform's centre.

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-UPSSR (spatial_ups3_a).
+/* krhpr: 3-[(3-UPS)SR] (spatial_ups3_a).
  *
  * Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i.  Redundant links
  * from the spherical joints to revolute joints whose axes are normal to the platform.

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-UPSSP (spatial_ups3_b).
+/* krhpr: 3-[(3-UPS)SP] (spatial_ups3_b).
  *
  * Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i.  Spherical joints
  * on links that slide along tangential lines of the platform.

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-UPSSP (spatial_ups3_c).
+/* krhpr: 3-[(3-UPS)SP] (spatial_ups3_c).
  *
  * Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i.  Spherical joints
  * that slide along radial lines through the platform's centre.

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-UPUSR (spatial_upu3_a).
+/* krhpr: 3-[(3-UPU)SR] (spatial_upu3_a).
  *
  * Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its
  * orientation, S_i is on it.  Redundant links from the spherical joints to revolute joints whose axes are

@@ -1,4 +1,4 @@
-/* krhpr: 3-3-UPUSP (spatial_upu3_b).
+/* krhpr: 3-[(3-UPU)SP] (spatial_upu3_b).
  *
  * Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its
  * orientation, S_i is on it.  Spherical joints on links that slide along tangential lines of the platform.

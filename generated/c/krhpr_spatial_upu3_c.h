@@ -1,4 +1,4 @@
-/* krhpr: 3-3-UPUSP (spatial_upu3_c).
+/* krhpr: 3-[(3-UPU)SP] (spatial_upu3_c).
  *
  * Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its
  * orientation, S_i is on it.  Spherical joints that slide along radial lines through the platform's centre.

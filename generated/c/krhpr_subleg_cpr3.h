@@ -150,7 +150,7 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
     g->k[37] = e_21 * t26 - t21 * k_33;
 }
 
-/* One Newton step of the forward kinematics of the 3-CPR sub-leg, from its loop closure.  (102 add, 96
+/* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
  * multiply, 2 divide) */
 static inline void krhpr_subleg_cpr3_forward_step(
     const krhpr_subleg_cpr3_geometry *g, const double theta[3], const double s[3],
@@ -233,8 +233,8 @@ static inline void krhpr_subleg_cpr3_forward_step(
     *change = (t36 * t36 + t38 * t38 + t40 * t40) / size;
 }
 
-/* Actuated joints of the 3-CPR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root) */
+/* Actuated joints of the (3-CPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
+ * end point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root) */
 static inline void krhpr_subleg_cpr3_inverse(
     const krhpr_subleg_cpr3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
@@ -266,7 +266,7 @@ static inline void krhpr_subleg_cpr3_inverse(
     *radicand = 1.0;
 }
 
-/* Every working mode of the 3-CPR sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
+/* Every working mode of the (3-CPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.3.  (30 add, 27 multiply, 3 square root) */
 static inline void krhpr_subleg_cpr3_inverse_all(
     const krhpr_subleg_cpr3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
@@ -299,15 +299,15 @@ static inline void krhpr_subleg_cpr3_inverse_all(
     *radicand = 1.0;
 }
 
-/* Distance by which the end point lies outside the reach of the 3-CPR sub-leg.  (no operations) */
+/* Distance by which the end point lies outside the reach of the (3-CPR) sub-leg.  (no operations) */
 static inline void krhpr_subleg_cpr3_reach(const krhpr_subleg_cpr3_geometry *g, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
     *excess = 0.0;
 }
 
-/* Posture of the 3-CPR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24 add,
- * 18 multiply) */
+/* Posture of the (3-CPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
+ * add, 18 multiply) */
 static inline void krhpr_subleg_cpr3_posture(
     const krhpr_subleg_cpr3_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT w,
     double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT travel)
@@ -350,8 +350,8 @@ static inline void krhpr_subleg_cpr3_posture(
     travel[2] = travel_2;
 }
 
-/* Jacobian M_i of the 3-CPR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply, 1
- * divide, 1 select) */
+/* Jacobian M_i of the (3-CPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
+ * 1 divide, 1 select) */
 static inline void krhpr_subleg_cpr3_jacobian(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT M,
     double *KRHPR_RESTRICT regularity)
@@ -382,7 +382,7 @@ static inline void krhpr_subleg_cpr3_jacobian(
     *regularity = fabs(volume * g->k[18]);
 }
 
-/* Rows of K: N M_i for the 3-CPR sub-leg, where the rows of N are the directions of the platform's lines.
+/* Rows of K: N M_i for the (3-CPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_cpr3_project(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], const double N[6],
@@ -411,7 +411,7 @@ static inline void krhpr_subleg_cpr3_project(
     *regularity = fabs(volume * g->k[18]);
 }
 
-/* Velocity of the end point of the 3-CPR sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
+/* Velocity of the end point of the (3-CPR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_cpr3_velocity(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], const double theta_dot[3],
@@ -437,7 +437,7 @@ static inline void krhpr_subleg_cpr3_velocity(
     *regularity = fabs(volume * g->k[18]);
 }
 
-/* Velocity of the end point of the 3-CPR sub-leg and the part of its acceleration that does not depend on
+/* Velocity of the end point of the (3-CPR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (106 add, 142 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_cpr3_bias(
@@ -516,7 +516,7 @@ static inline void krhpr_subleg_cpr3_bias(
     *regularity = fabs(volume * g->k[18]);
 }
 
-/* Actuated joint rates of the 3-CPR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
+/* Actuated joint rates of the (3-CPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_cpr3_rates(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], const double s_dot[3],
@@ -532,7 +532,7 @@ static inline void krhpr_subleg_cpr3_rates(
     *regularity = regularity_a;
 }
 
-/* det M_i of the 3-CPR sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
+/* det M_i of the (3-CPR) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_cpr3_determinant(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT det_M,
@@ -546,7 +546,7 @@ static inline void krhpr_subleg_cpr3_determinant(
     factors[3] = volume * g->k[18];
 }
 
-/* Passive joints of the 3-CPR sub-leg and the orientation of its last link.  (12 add, 18 multiply, 3
+/* Passive joints of the (3-CPR) sub-leg and the orientation of its last link.  (12 add, 18 multiply, 3
  * arctangent) */
 static inline void krhpr_subleg_cpr3_passive(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double travel[3],
@@ -572,7 +572,7 @@ static inline void krhpr_subleg_cpr3_passive(
     link[8] = 1.0;
 }
 
-/* Joints of the 3-CPR sub-leg, from the base to S_i.  (9 add) */
+/* Joints of the (3-CPR) sub-leg, from the base to S_i.  (9 add) */
 static inline void krhpr_subleg_cpr3_points(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double s[3], double *KRHPR_RESTRICT points)
 {

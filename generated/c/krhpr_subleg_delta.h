@@ -101,8 +101,8 @@ static inline void krhpr_subleg_delta_forward_angles(const double theta[3], doub
     angle[2] = theta[2];
 }
 
-/* End point of the Delta sub-leg from its actuated joints.  Thesis: 3.5.  (47 add, 65 multiply, 2 divide, 1
- * square root, 1 select) */
+/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (47 add, 65 multiply, 2 divide,
+ * 1 square root, 1 select) */
 static inline void krhpr_subleg_delta_forward(
     const krhpr_subleg_delta_geometry *g, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
@@ -153,8 +153,8 @@ static inline void krhpr_subleg_delta_forward_posture_angles(
     angle[2] = theta[2];
 }
 
-/* End point and posture of the Delta sub-leg from its actuated joints.  Thesis: 3.5.  (71 add, 83 multiply,
- * 2 divide, 1 square root, 1 select) */
+/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (71 add, 83
+ * multiply, 2 divide, 1 square root, 1 select) */
 static inline void krhpr_subleg_delta_forward_posture(
     const krhpr_subleg_delta_geometry *g, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
@@ -239,8 +239,8 @@ static inline void krhpr_subleg_delta_forward_posture(
     *radicand = h2;
 }
 
-/* Actuated joints of the Delta sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 2 select) */
+/* Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN where the
+ * end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 2 select) */
 static inline void krhpr_subleg_delta_inverse(
     const krhpr_subleg_delta_geometry *g, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -281,7 +281,7 @@ static inline void krhpr_subleg_delta_inverse(
     tail_x[2] = a_3x * e_3 + t9 * (mode[2] * a_3_2);
 }
 
-/* Every working mode of the Delta sub-leg, in the order 1+/2+/3+, 1+/2+/3-, 1+/2-/3+, 1+/2-/3-, 1-/2+/3+,
+/* Every working mode of the (Delta) sub-leg, in the order 1+/2+/3+, 1+/2+/3-, 1+/2-/3+, 1+/2-/3-, 1-/2+/3+,
  * 1-/2+/3-, 1-/2-/3+, 1-/2-/3-; NaN where a mode does not exist.  Thesis: 2.4.4.  (45 add, 42 multiply, 3
  * square root, 2 select) */
 static inline void krhpr_subleg_delta_inverse_all(
@@ -339,7 +339,7 @@ static inline void krhpr_subleg_delta_inverse_all(
     tail_x[5] = t8 + t6 * (g->g[2] - s[2]);
 }
 
-/* Distance by which the end point lies outside the reach of the Delta sub-leg.  (30 add, 24 multiply, 3
+/* Distance by which the end point lies outside the reach of the (Delta) sub-leg.  (30 add, 24 multiply, 3
  * square root, 5 select) */
 static inline void krhpr_subleg_delta_reach(
     const krhpr_subleg_delta_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
@@ -377,8 +377,8 @@ static inline void krhpr_subleg_delta_posture_angles(const double theta[3], doub
     angle[2] = theta[2];
 }
 
-/* Posture of the Delta sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24 add,
- * 30 multiply) */
+/* Posture of the (Delta) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
+ * add, 30 multiply) */
 static inline void krhpr_subleg_delta_posture(
     const krhpr_subleg_delta_geometry *g, const double s[3], const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT u)
@@ -418,8 +418,8 @@ static inline void krhpr_subleg_delta_posture(
     u[5] = sine[2];
 }
 
-/* Jacobian M_i of the Delta sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply, 1
- * divide, 1 select) */
+/* Jacobian M_i of the (Delta) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
+ * 1 divide, 1 select) */
 static inline void krhpr_subleg_delta_jacobian(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT M,
     double *KRHPR_RESTRICT regularity)
@@ -450,7 +450,7 @@ static inline void krhpr_subleg_delta_jacobian(
     *regularity = fabs(volume * g->k[3]);
 }
 
-/* Rows of K: N M_i for the Delta sub-leg, where the rows of N are the directions of the platform's lines.
+/* Rows of K: N M_i for the (Delta) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_delta_project(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], const double N[6],
@@ -479,7 +479,7 @@ static inline void krhpr_subleg_delta_project(
     *regularity = fabs(volume * g->k[3]);
 }
 
-/* Velocity of the end point of the Delta sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
+/* Velocity of the end point of the (Delta) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_delta_velocity(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], const double theta_dot[3],
@@ -513,7 +513,7 @@ static inline void krhpr_subleg_delta_bias_angles(const double theta[3], double 
     angle[2] = theta[2];
 }
 
-/* Velocity of the end point of the Delta sub-leg and the part of its acceleration that does not depend on
+/* Velocity of the end point of the (Delta) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (115 add, 181 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_delta_bias(
@@ -602,7 +602,7 @@ static inline void krhpr_subleg_delta_bias(
     *regularity = fabs(volume * g->k[3]);
 }
 
-/* Actuated joint rates of the Delta sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
+/* Actuated joint rates of the (Delta) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_delta_rates(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], const double s_dot[3],
@@ -618,7 +618,7 @@ static inline void krhpr_subleg_delta_rates(
     *regularity = regularity_a;
 }
 
-/* det M_i of the Delta sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
+/* det M_i of the (Delta) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_delta_determinant(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT det_M,
@@ -632,8 +632,8 @@ static inline void krhpr_subleg_delta_determinant(
     factors[3] = volume * g->k[3];
 }
 
-/* Passive joints of the Delta sub-leg and the orientation of its last link.  (15 add, 30 multiply, 3 square
- * root) */
+/* Passive joints of the (Delta) sub-leg and the orientation of its last link.  (15 add, 30 multiply, 3
+ * square root) */
 static inline void krhpr_subleg_delta_passive(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double u[6], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -667,7 +667,7 @@ static inline void krhpr_subleg_delta_passive(
     tail_x[5] = size_3;
 }
 
-/* Joints of the Delta sub-leg, from the base to S_i.  (9 add) */
+/* Joints of the (Delta) sub-leg, from the base to S_i.  (9 add) */
 static inline void krhpr_subleg_delta_points(
     const krhpr_subleg_delta_geometry *g, const double w[9], const double s[3], double *KRHPR_RESTRICT points)
 {

@@ -68,7 +68,7 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     g->k[13] = -t6 * 0.5;
 }
 
-/* End point of the Tripteron sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8 multiply) */
+/* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_forward(
     const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s)
 {
@@ -77,7 +77,7 @@ static inline void krhpr_subleg_tripteron_forward(
     s[2] = g->c[2] + g->e_1[2] * theta[1] + g->e_x[2] * theta[0];
 }
 
-/* End point and posture of the Tripteron sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8
+/* End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8
  * multiply) */
 static inline void krhpr_subleg_tripteron_forward_posture(
     const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
@@ -91,8 +91,8 @@ static inline void krhpr_subleg_tripteron_forward_posture(
     rho[2] = theta[2];
 }
 
-/* Actuated joints of the Tripteron sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
+/* Actuated joints of the (Tripteron) sub-leg in one working mode.  The mode is given by signs; NaN where
+ * the end point is out of reach.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
 static inline void krhpr_subleg_tripteron_inverse(
     const krhpr_subleg_tripteron_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
@@ -114,8 +114,8 @@ static inline void krhpr_subleg_tripteron_inverse(
     *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
-/* Every working mode of the Tripteron sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
- * 2.4.4.  (19 add, 14 multiply, 2 select) */
+/* Every working mode of the (Tripteron) sub-leg, in the order only; NaN where a mode does not exist.
+ * Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
 static inline void krhpr_subleg_tripteron_inverse_all(
     const krhpr_subleg_tripteron_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
@@ -137,8 +137,8 @@ static inline void krhpr_subleg_tripteron_inverse_all(
     *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
-/* Distance by which the end point lies outside the reach of the Tripteron sub-leg.  (20 add, 11 multiply, 3
- * square root, 5 select) */
+/* Distance by which the end point lies outside the reach of the (Tripteron) sub-leg.  (20 add, 11 multiply,
+ * 3 square root, 5 select) */
 static inline void krhpr_subleg_tripteron_reach(
     const krhpr_subleg_tripteron_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
 {
@@ -158,7 +158,7 @@ static inline void krhpr_subleg_tripteron_reach(
     *excess = krhpr_max(t4, krhpr_max(distance_3 - g->l_2 - g->l_3, g->k[2] - distance_3));
 }
 
-/* Posture of the Tripteron sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (no
+/* Posture of the (Tripteron) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (no
  * operations) */
 static inline void krhpr_subleg_tripteron_posture(
     const krhpr_subleg_tripteron_geometry *g, const double s[3], const double theta[3],
@@ -171,7 +171,7 @@ static inline void krhpr_subleg_tripteron_posture(
     rho[2] = theta[2];
 }
 
-/* Jacobian M_i of the Tripteron sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
+/* Jacobian M_i of the (Tripteron) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_tripteron_jacobian(
     const krhpr_subleg_tripteron_geometry *g, double *KRHPR_RESTRICT M)
 {
@@ -186,7 +186,7 @@ static inline void krhpr_subleg_tripteron_jacobian(
     M[8] = 0.0;
 }
 
-/* Rows of K: N M_i for the Tripteron sub-leg, where the rows of N are the directions of the platform's
+/* Rows of K: N M_i for the (Tripteron) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (10 add, 16 multiply) */
 static inline void krhpr_subleg_tripteron_project(
     const krhpr_subleg_tripteron_geometry *g, const double N[6], double *KRHPR_RESTRICT K)
@@ -205,7 +205,7 @@ static inline void krhpr_subleg_tripteron_project(
     K[5] = n_12;
 }
 
-/* Velocity of the end point of the Tripteron sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8 multiply) */
+/* Velocity of the end point of the (Tripteron) sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_velocity(
     const krhpr_subleg_tripteron_geometry *g, const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
@@ -214,8 +214,8 @@ static inline void krhpr_subleg_tripteron_velocity(
     s_dot[2] = g->e_1[2] * theta_dot[1] + g->e_x[2] * theta_dot[0];
 }
 
-/* Velocity of the end point of the Tripteron sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (5 add, 8 multiply) */
+/* Velocity of the end point of the (Tripteron) sub-leg and the part of its acceleration that does not
+ * depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (5 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_bias(
     const krhpr_subleg_tripteron_geometry *g, const double s[3], const double theta[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
@@ -230,8 +230,8 @@ static inline void krhpr_subleg_tripteron_bias(
     bias[2] = 0.0;
 }
 
-/* Actuated joint rates of the Tripteron sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply) */
+/* Actuated joint rates of the (Tripteron) sub-leg from the velocity of its end point: B^-1 A s_dot.
+ * Linear, so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_rates(
     const krhpr_subleg_tripteron_geometry *g, const double s_dot[3], double *KRHPR_RESTRICT theta_dot)
 {
@@ -243,8 +243,8 @@ static inline void krhpr_subleg_tripteron_rates(
     theta_dot[2] = v_l_2;
 }
 
-/* det M_i of the Tripteron sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis: 1.4.
- * (11 add, 12 multiply, 3 square root) */
+/* det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis:
+ * 1.4.  (11 add, 12 multiply, 3 square root) */
 static inline void krhpr_subleg_tripteron_determinant(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
@@ -259,7 +259,7 @@ static inline void krhpr_subleg_tripteron_determinant(
     factors[2] = g->k[3] * (0.5 * sqrt((t1 + t3 - g->k[0]) * (t4 - t1)));
 }
 
-/* Passive joints of the Tripteron sub-leg and the orientation of its last link.  (27 add, 18 multiply, 3
+/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (27 add, 18 multiply, 3
  * square root) */
 static inline void krhpr_subleg_tripteron_passive(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT link,
@@ -312,7 +312,7 @@ static inline void krhpr_subleg_tripteron_passive(
     tail_x[5] = C_3;
 }
 
-/* Joints of the Tripteron sub-leg, from the base to S_i.  (45 add, 58 multiply, 3 divide, 3 square root) */
+/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (45 add, 58 multiply, 3 divide, 3 square root) */
 static inline void krhpr_subleg_tripteron_points(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], const double s[3],
     double *KRHPR_RESTRICT points)

@@ -107,8 +107,8 @@ static inline void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g)
     g->k[10] = 1.0 / g->r_g;
 }
 
-/* End point of the 3-UPU sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply, 1 divide, 1
- * square root, 1 select) */
+/* End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply, 1 divide,
+ * 1 square root, 1 select) */
 static inline void krhpr_subleg_upu3_forward(
     const krhpr_subleg_upu3_geometry *g, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
@@ -130,8 +130,8 @@ static inline void krhpr_subleg_upu3_forward(
     *radicand = h2;
 }
 
-/* End point and posture of the 3-UPU sub-leg from its actuated joints.  Thesis: 3.5.  (30 add, 25 multiply,
- * 1 divide, 1 square root, 1 select) */
+/* End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (30 add, 25
+ * multiply, 1 divide, 1 square root, 1 select) */
 static inline void krhpr_subleg_upu3_forward_posture(
     const krhpr_subleg_upu3_geometry *g, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
@@ -178,8 +178,8 @@ static inline void krhpr_subleg_upu3_forward_posture(
     *radicand = h2;
 }
 
-/* Actuated joints of the 3-UPU sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root) */
+/* Actuated joints of the (3-UPU) sub-leg in one working mode.  The mode is given by signs; NaN where the
+ * end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root) */
 static inline void krhpr_subleg_upu3_inverse(
     const krhpr_subleg_upu3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
@@ -199,7 +199,7 @@ static inline void krhpr_subleg_upu3_inverse(
     *radicand = 1.0;
 }
 
-/* Every working mode of the 3-UPU sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
+/* Every working mode of the (3-UPU) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.4.  (15 add, 9 multiply, 3 square root) */
 static inline void krhpr_subleg_upu3_inverse_all(
     const krhpr_subleg_upu3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
@@ -220,14 +220,14 @@ static inline void krhpr_subleg_upu3_inverse_all(
     *radicand = 1.0;
 }
 
-/* Distance by which the end point lies outside the reach of the 3-UPU sub-leg.  (no operations) */
+/* Distance by which the end point lies outside the reach of the (3-UPU) sub-leg.  (no operations) */
 static inline void krhpr_subleg_upu3_reach(const krhpr_subleg_upu3_geometry *g, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
     *excess = 0.0;
 }
 
-/* Posture of the 3-UPU sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add) */
+/* Posture of the (3-UPU) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add) */
 static inline void krhpr_subleg_upu3_posture(
     const krhpr_subleg_upu3_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT w,
     double *KRHPR_RESTRICT b)
@@ -255,8 +255,8 @@ static inline void krhpr_subleg_upu3_posture(
     b[2] = theta[2];
 }
 
-/* Jacobian M_i of the 3-UPU sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply, 1
- * divide, 1 select) */
+/* Jacobian M_i of the (3-UPU) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
+ * 1 divide, 1 select) */
 static inline void krhpr_subleg_upu3_jacobian(
     const krhpr_subleg_upu3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT M,
     double *KRHPR_RESTRICT regularity)
@@ -287,7 +287,7 @@ static inline void krhpr_subleg_upu3_jacobian(
     *regularity = fabs(volume * g->k[9]);
 }
 
-/* Rows of K: N M_i for the 3-UPU sub-leg, where the rows of N are the directions of the platform's lines.
+/* Rows of K: N M_i for the (3-UPU) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_upu3_project(
     const krhpr_subleg_upu3_geometry *g, const double w[9], const double b[3], const double N[6],
@@ -316,7 +316,7 @@ static inline void krhpr_subleg_upu3_project(
     *regularity = fabs(volume * g->k[9]);
 }
 
-/* Velocity of the end point of the 3-UPU sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
+/* Velocity of the end point of the (3-UPU) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_upu3_velocity(
     const krhpr_subleg_upu3_geometry *g, const double w[9], const double b[3], const double theta_dot[3],
@@ -342,7 +342,7 @@ static inline void krhpr_subleg_upu3_velocity(
     *regularity = fabs(volume * g->k[9]);
 }
 
-/* Velocity of the end point of the 3-UPU sub-leg and the part of its acceleration that does not depend on
+/* Velocity of the end point of the (3-UPU) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (76 add, 88 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_upu3_bias(
@@ -412,7 +412,7 @@ static inline void krhpr_subleg_upu3_bias(
     *regularity = fabs(volume * g->k[9]);
 }
 
-/* Actuated joint rates of the 3-UPU sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
+/* Actuated joint rates of the (3-UPU) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_upu3_rates(
     const krhpr_subleg_upu3_geometry *g, const double w[9], const double b[3], const double s_dot[3],
@@ -428,7 +428,7 @@ static inline void krhpr_subleg_upu3_rates(
     *regularity = regularity_a;
 }
 
-/* det M_i of the 3-UPU sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume,
+/* det M_i of the (3-UPU) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume,
  * constraint.  Thesis: 1.4.  (19 add, 37 multiply, 1 divide) */
 static inline void krhpr_subleg_upu3_determinant(
     const krhpr_subleg_upu3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT det_M,
@@ -453,8 +453,8 @@ static inline void krhpr_subleg_upu3_determinant(
     factors[4] = g->k[9] * t4;
 }
 
-/* Passive joints of the 3-UPU sub-leg and the orientation of its last link.  (9 add, 18 multiply, 3 square
- * root) */
+/* Passive joints of the (3-UPU) sub-leg and the orientation of its last link.  (9 add, 18 multiply, 3
+ * square root) */
 static inline void krhpr_subleg_upu3_passive(
     const krhpr_subleg_upu3_geometry *g, const double w[9], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -491,7 +491,7 @@ static inline void krhpr_subleg_upu3_passive(
     tail_x[5] = strut_3_n;
 }
 
-/* Joints of the 3-UPU sub-leg, from the base to S_i.  (no operations) */
+/* Joints of the (3-UPU) sub-leg, from the base to S_i.  (no operations) */
 static inline void krhpr_subleg_upu3_points(
     const krhpr_subleg_upu3_geometry *g, const double s[3], double *KRHPR_RESTRICT points)
 {

@@ -111,7 +111,7 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward_step(g: Any, theta: Any, s: Any) -> tuple[Any, ...]:
-    """One Newton step of the forward kinematics of the 3-CPR sub-leg, from its loop closure.  (102
+    """One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102
     add, 96 multiply, 2 divide)"""
     theta_0, theta_1, theta_2 = theta
     s_0, s_1, s_2 = s
@@ -199,8 +199,8 @@ def forward_step(g: Any, theta: Any, s: Any) -> tuple[Any, ...]:
 
 
 def inverse(g: Any, s: Any) -> tuple[Any, ...]:
-    """Actuated joints of the 3-CPR sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root)"""
+    """Actuated joints of the (3-CPR) sub-leg in one working mode.  The mode is given by signs; NaN
+    where the end point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root)"""
     s_0, s_1, s_2 = s
     arm_1_0 = s_0 - g.g[0]  # s - g_k
     arm_1_1 = s_1 - g.g[1]
@@ -236,7 +236,7 @@ def inverse(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
-    """Every working mode of the 3-CPR sub-leg, in the order only; NaN where a mode does not exist.
+    """Every working mode of the (3-CPR) sub-leg, in the order only; NaN where a mode does not exist.
     Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root)"""
     s_0, s_1, s_2 = s
     arm_1_0 = s_0 - g.g[0]  # s - g_k
@@ -273,14 +273,14 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the 3-CPR sub-leg.  (no operations)"""
+    """Distance by which the end point lies outside the reach of the (3-CPR) sub-leg.  (no operations)"""
     return (
         0,
     )
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the 3-CPR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
+    """Posture of the (3-CPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
     (24 add, 18 multiply)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -331,7 +331,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the 3-CPR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
+    """Jacobian M_i of the (3-CPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -368,8 +368,8 @@ def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
-    """Rows of K: N M_i for the 3-CPR sub-leg, where the rows of N are the directions of the platform's
-    lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
+    """Rows of K: N M_i for the (3-CPR) sub-leg, where the rows of N are the directions of the
+    platform's lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
     N_00, N_01, N_02, N_10, N_11, N_12 = N
@@ -403,7 +403,7 @@ def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the 3-CPR sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
+    """Velocity of the end point of the (3-CPR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -435,7 +435,7 @@ def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the 3-CPR sub-leg and the part of its acceleration that does not
+    """Velocity of the end point of the (3-CPR) sub-leg and the part of its acceleration that does not
     depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (106 add, 142
     multiply, 1 divide, 1 select)"""
     s_0, s_1, s_2 = s
@@ -522,7 +522,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
-    """Actuated joint rates of the 3-CPR sub-leg from the velocity of its end point: B^-1 A s_dot.
+    """Actuated joint rates of the (3-CPR) sub-leg from the velocity of its end point: B^-1 A s_dot.
     Linear, so it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5
     select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
@@ -545,7 +545,7 @@ def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
 
 
 def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """det M_i of the 3-CPR sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.
+    """det M_i of the (3-CPR) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.
     Thesis: 1.4.  (5 add, 15 multiply, 1 divide)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -564,8 +564,8 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, w: Any, travel: Any) -> tuple[Any, ...]:
-    """Passive joints of the 3-CPR sub-leg and the orientation of its last link.  (12 add, 18 multiply,
-    3 arctangent)"""
+    """Passive joints of the (3-CPR) sub-leg and the orientation of its last link.  (12 add, 18
+    multiply, 3 arctangent)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     travel_0, travel_1, travel_2 = travel
     passive_0 = ca.atan2(w_00 * g.k[23] + w_01 * g.k[24] + w_02 * g.k[25], w_00 * g.k[20] + w_01 * g.k[21] + w_02 * g.k[22])
@@ -595,7 +595,7 @@ def passive(g: Any, w: Any, travel: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, w: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the 3-CPR sub-leg, from the base to S_i.  (9 add)"""
+    """Joints of the (3-CPR) sub-leg, from the base to S_i.  (9 add)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     s_0, s_1, s_2 = s
     return (

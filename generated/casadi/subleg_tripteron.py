@@ -52,7 +52,8 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any) -> tuple[Any, ...]:
-    """End point of the Tripteron sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8 multiply)"""
+    """End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8
+    multiply)"""
     theta_0, theta_1, theta_2 = theta
     return (
         g.c[0] + g.e_1[0] * theta_1 + g.e_t[0] * theta_2 + g.e_x[0] * theta_0,
@@ -62,8 +63,8 @@ def forward(g: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
-    """End point and posture of the Tripteron sub-leg from its actuated joints.  Thesis: 3.5.  (8 add,
-    8 multiply)"""
+    """End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8
+    add, 8 multiply)"""
     theta_0, theta_1, theta_2 = theta
     return (
         (  # s
@@ -80,7 +81,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def inverse(g: Any, s: Any) -> tuple[Any, ...]:
-    """Actuated joints of the Tripteron sub-leg in one working mode.  The mode is given by signs; NaN
+    """Actuated joints of the (Tripteron) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select)"""
     s_0, s_1, s_2 = s
     arm_0 = s_0 - g.c[0]  # s - c
@@ -107,8 +108,8 @@ def inverse(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
-    """Every working mode of the Tripteron sub-leg, in the order only; NaN where a mode does not exist.
-    Thesis: 2.4.4.  (19 add, 14 multiply, 2 select)"""
+    """Every working mode of the (Tripteron) sub-leg, in the order only; NaN where a mode does not
+    exist.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select)"""
     s_0, s_1, s_2 = s
     arm_0 = s_0 - g.c[0]  # s - c
     arm_1 = s_1 - g.c[1]
@@ -134,7 +135,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the Tripteron sub-leg.  (20 add, 11
+    """Distance by which the end point lies outside the reach of the (Tripteron) sub-leg.  (20 add, 11
     multiply, 3 square root, 5 select)"""
     s_0, s_1, s_2 = s
     arm_0 = s_0 - g.c[0]  # s - c
@@ -156,7 +157,7 @@ def reach(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the Tripteron sub-leg: what its velocity equations are made of.  Thesis: App. A,
+    """Posture of the (Tripteron) sub-leg: what its velocity equations are made of.  Thesis: App. A,
     2.3.1.  (no operations)"""
     theta_0, theta_1, theta_2 = theta
     return (
@@ -167,7 +168,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the Tripteron sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no
+    """Jacobian M_i of the (Tripteron) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no
     operations)"""
     return (
         g.e_x[0],
@@ -183,7 +184,7 @@ def jacobian(g: Any) -> tuple[Any, ...]:
 
 
 def project(g: Any, N: Any) -> tuple[Any, ...]:
-    """Rows of K: N M_i for the Tripteron sub-leg, where the rows of N are the directions of the
+    """Rows of K: N M_i for the (Tripteron) sub-leg, where the rows of N are the directions of the
     platform's lines.  Thesis: (1.8), (1.28).  (10 add, 16 multiply)"""
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02
@@ -203,7 +204,7 @@ def project(g: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the Tripteron sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8
+    """Velocity of the end point of the (Tripteron) sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8
     multiply)"""
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
     return (
@@ -214,7 +215,7 @@ def velocity(g: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the Tripteron sub-leg and the part of its acceleration that does
+    """Velocity of the end point of the (Tripteron) sub-leg and the part of its acceleration that does
     not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (5 add, 8
     multiply)"""
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
@@ -233,8 +234,8 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def rates(g: Any, s_dot: Any) -> tuple[Any, ...]:
-    """Actuated joint rates of the Tripteron sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply)"""
+    """Actuated joint rates of the (Tripteron) sub-leg from the velocity of its end point: B^-1 A
+    s_dot.  Linear, so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply)"""
     s_dot_0, s_dot_1, s_dot_2 = s_dot
     v_l_0 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
@@ -247,7 +248,7 @@ def rates(g: Any, s_dot: Any) -> tuple[Any, ...]:
 
 
 def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
-    """det M_i of the Tripteron sub-leg and its dimensionless factors: links_1, links_2, links_3.
+    """det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.
     Thesis: 1.4.  (11 add, 12 multiply, 3 square root)"""
     rho_0, rho_1, rho_2 = rho
     t1 = rho_1 * rho_1
@@ -267,7 +268,7 @@ def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, rho: Any) -> tuple[Any, ...]:
-    """Passive joints of the Tripteron sub-leg and the orientation of its last link.  (27 add, 18
+    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (27 add, 18
     multiply, 3 square root, 6 arctangent)"""
     rho_0, rho_1, rho_2 = rho
     t1 = rho_1 * rho_1
@@ -318,8 +319,8 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the Tripteron sub-leg, from the base to S_i.  (45 add, 58 multiply, 3 divide, 3 square
-    root)"""
+    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (45 add, 58 multiply, 3 divide, 3
+    square root)"""
     rho_0, rho_1, rho_2 = rho
     s_0, s_1, s_2 = s
     slider_1_0 = g.c[0] + g.e_x[0] * rho_0

@@ -69,8 +69,8 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the 3-UPS sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply, 1
-    divide, 1 square root, 1 select)"""
+    """End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply,
+    1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
@@ -97,8 +97,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point and posture of the 3-UPS sub-leg from its actuated joints.  Thesis: 3.5.  (30 add, 25
-    multiply, 1 divide, 1 square root, 1 select)"""
+    """End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (30 add,
+    25 multiply, 1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
@@ -153,8 +153,8 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def inverse(g: Any, s: Any) -> tuple[Any, ...]:
-    """Actuated joints of the 3-UPS sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""
+    """Actuated joints of the (3-UPS) sub-leg in one working mode.  The mode is given by signs; NaN
+    where the end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""
     s_0, s_1, s_2 = s
     w_1_0 = s_0 - g.g[0]  # strut 1
     w_1_1 = s_1 - g.g[1]
@@ -178,7 +178,7 @@ def inverse(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
-    """Every working mode of the 3-UPS sub-leg, in the order only; NaN where a mode does not exist.
+    """Every working mode of the (3-UPS) sub-leg, in the order only; NaN where a mode does not exist.
     Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""
     s_0, s_1, s_2 = s
     w_1_0 = s_0 - g.g[0]  # strut 1
@@ -203,14 +203,14 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the 3-UPS sub-leg.  (no operations)"""
+    """Distance by which the end point lies outside the reach of the (3-UPS) sub-leg.  (no operations)"""
     return (
         0,
     )
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the 3-UPS sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
+    """Posture of the (3-UPS) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
     (9 add)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -244,7 +244,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the 3-UPS sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
+    """Jacobian M_i of the (3-UPS) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -281,8 +281,8 @@ def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
-    """Rows of K: N M_i for the 3-UPS sub-leg, where the rows of N are the directions of the platform's
-    lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
+    """Rows of K: N M_i for the (3-UPS) sub-leg, where the rows of N are the directions of the
+    platform's lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
     N_00, N_01, N_02, N_10, N_11, N_12 = N
@@ -316,7 +316,7 @@ def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the 3-UPS sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
+    """Velocity of the end point of the (3-UPS) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -348,7 +348,7 @@ def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the 3-UPS sub-leg and the part of its acceleration that does not
+    """Velocity of the end point of the (3-UPS) sub-leg and the part of its acceleration that does not
     depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (76 add, 88
     multiply, 1 divide, 1 select)"""
     s_0, s_1, s_2 = s
@@ -426,7 +426,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
-    """Actuated joint rates of the 3-UPS sub-leg from the velocity of its end point: B^-1 A s_dot.
+    """Actuated joint rates of the (3-UPS) sub-leg from the velocity of its end point: B^-1 A s_dot.
     Linear, so it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5
     select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
@@ -449,7 +449,7 @@ def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
 
 
 def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """det M_i of the 3-UPS sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.
+    """det M_i of the (3-UPS) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.
     Thesis: 1.4.  (5 add, 15 multiply, 1 divide)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -468,8 +468,8 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, w: Any) -> tuple[Any, ...]:
-    """Passive joints of the 3-UPS sub-leg and the orientation of its last link.  (28 add, 54 multiply,
-    2 divide, 5 square root, 6 arctangent)"""
+    """Passive joints of the (3-UPS) sub-leg and the orientation of its last link.  (28 add, 54
+    multiply, 2 divide, 5 square root, 6 arctangent)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     strut_1_0 = g.e_x[0] * w_00 + g.e_x[1] * w_01 + g.e_x[2] * w_02
     strut_1_1 = g.e_1[0] * w_00 + g.e_1[1] * w_01 + g.e_1[2] * w_02
@@ -520,7 +520,7 @@ def passive(g: Any, w: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the 3-UPS sub-leg, from the base to S_i.  (no operations)"""
+    """Joints of the (3-UPS) sub-leg, from the base to S_i.  (no operations)"""
     s_0, s_1, s_2 = s
     return (
         g.g[0],

@@ -111,6 +111,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "crank u_1 (l_4), from the x axis of the base"),
         ("theta_2", "crank u_2 (l_2), from the x axis of the base"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("crank_1", "revolute"),
+        ("crank_2", "revolute"),
+        ("rod", "revolute"),
+    ),
     "passive": (
         ("crank_1", "E, tip of u_1: distal link v_1 relative to u_1"),
         ("crank_2", "C, tip of u_2: rod v_2 relative to u_2"),
@@ -129,6 +136,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

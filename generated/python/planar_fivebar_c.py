@@ -107,6 +107,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "crank u_1 (l_4), from the x axis of the base"),
         ("theta_2", "crank u_2 (l_2), from the x axis of the base"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("crank_1", "revolute"),
+        ("crank_2", "revolute"),
+        ("rod", "revolute"),
+    ),
     "passive": (
         ("crank_1", "E, tip of u_1: distal link v_1 relative to u_1"),
         ("crank_2", "C, tip of u_2: rod v_2 relative to u_2"),
@@ -125,6 +132,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive while all delta_i > 0"),
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

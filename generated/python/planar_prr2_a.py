@@ -110,6 +110,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "slide along e_1, from the first base joint"),
         ("rho_2", "slide along e_2, from the second base joint"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("hinge_1", "revolute"),
+        ("hinge_2", "revolute"),
+        ("meeting", "revolute"),
+    ),
     "passive": (
         ("hinge_1", "link 1 on its slider, from e_1"),
         ("hinge_2", "link 2 on its slider, from e_2"),
@@ -128,6 +135,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

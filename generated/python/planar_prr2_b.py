@@ -112,6 +112,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "slide along e_1, from the first base joint"),
         ("rho_2", "slide along e_2, from the second base joint"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("hinge_1", "revolute"),
+        ("hinge_2", "revolute"),
+        ("meeting", "revolute"),
+    ),
     "passive": (
         ("hinge_1", "link 1 on its slider, from e_1"),
         ("hinge_2", "link 2 on its slider, from e_2"),
@@ -130,6 +137,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive on the side of type II where delta_i is large"),
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -106,6 +106,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "slide along e_1, from the first base joint"),
         ("rho_2", "slide along e_2, from the second base joint"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("hinge_1", "revolute"),
+        ("hinge_2", "revolute"),
+        ("meeting", "revolute"),
+    ),
     "passive": (
         ("hinge_1", "link 1 on its slider, from e_1"),
         ("hinge_2", "link 2 on its slider, from e_2"),
@@ -124,6 +131,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive while all delta_i > 0"),
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -94,6 +94,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta", "direction u of the slide, from the x axis of the base"),
         ("rho", "slide along u"),
     ),
+    "joint kinds": (
+        ("theta", "revolute"),
+        ("rho", "prismatic"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -107,6 +111,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -90,6 +90,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta", "direction u of the slide, from the x axis of the base"),
         ("rho", "slide along u"),
     ),
+    "joint kinds": (
+        ("theta", "revolute"),
+        ("rho", "prismatic"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -103,6 +107,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive while all delta_i > 0"),
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

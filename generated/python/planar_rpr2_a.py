@@ -95,6 +95,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "length of the first strut"),
         ("rho_2", "length of the second strut"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("base_1", "revolute"),
+        ("base_2", "revolute"),
+        ("meeting", "revolute"),
+    ),
     "passive": (
         ("base_1", "strut 1 on the base, from the x axis"),
         ("base_2", "strut 2 on the base, from the x axis"),
@@ -113,6 +120,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J / (l_1 l_2 l_3 R) with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

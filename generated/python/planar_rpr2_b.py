@@ -97,6 +97,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "length of the first strut"),
         ("rho_2", "length of the second strut"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("base_1", "revolute"),
+        ("base_2", "revolute"),
+        ("meeting", "revolute"),
+    ),
     "passive": (
         ("base_1", "strut 1 on the base, from the x axis"),
         ("base_2", "strut 2 on the base, from the x axis"),
@@ -115,6 +122,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive on the side of type II where delta_i is large"),
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

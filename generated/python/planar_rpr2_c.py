@@ -91,6 +91,13 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "length of the first strut"),
         ("rho_2", "length of the second strut"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("base_1", "revolute"),
+        ("base_2", "revolute"),
+        ("meeting", "revolute"),
+    ),
     "passive": (
         ("base_1", "strut 1 on the base, from the x axis"),
         ("base_2", "strut 2 on the base, from the x axis"),
@@ -109,6 +116,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive while all delta_i > 0"),
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

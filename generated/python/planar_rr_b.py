@@ -98,6 +98,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "first link, from the x axis of the base"),
         ("theta_2", "second link relative to the first"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -111,6 +115,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive on the side of type II where delta_i is large"),
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2"),

@@ -92,6 +92,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "first link, from the x axis of the base"),
         ("theta_2", "second link relative to the first"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -105,6 +109,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J (m): positive while all delta_i > 0"),
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.2"),

@@ -1,4 +1,4 @@
-"""3-3-CPRSR (spatial_cpr3_a): 3-CPR sub-legs, arrangement (a).
+"""3-[(3-CPR)SR] (spatial_cpr3_a): (3-CPR) sub-legs, arrangement (a).
 
 Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint.
 Redundant links from the spherical joints to revolute joints whose axes are normal to the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_cpr3_a"
-NOTATION = "3-3-CPRSR"
-TITLE = "3-CPR sub-legs, arrangement (a)"
+NOTATION = "3-[(3-CPR)SR]"
+TITLE = "(3-CPR) sub-legs, arrangement (a)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -127,6 +127,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "distance from axis 2, positive"),
         ("rho_3", "distance from axis 3, positive"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("turn_1", "revolute"),
+        ("travel_1", "prismatic"),
+        ("turn_2", "revolute"),
+        ("travel_2", "prismatic"),
+        ("turn_3", "revolute"),
+        ("travel_3", "prismatic"),
+    ),
     "passive": (
         ("turn_1", "cylindrical joint 1 about e_1, from e_1 x e_1"),
         ("travel_1", "cylindrical joint 1 along e_1, from g_1"),
@@ -149,6 +160,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."),
+    ),
+    "requirements": (
+        ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
     "sections": (
         ("sub-leg", "2.4.3"),

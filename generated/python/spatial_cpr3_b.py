@@ -1,4 +1,4 @@
-"""3-3-CPRSP (spatial_cpr3_b): 3-CPR sub-legs, arrangement (b).
+"""3-[(3-CPR)SP] (spatial_cpr3_b): (3-CPR) sub-legs, arrangement (b).
 
 Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint.
 Spherical joints on links that slide along tangential lines of the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_cpr3_b"
-NOTATION = "3-3-CPRSP"
-TITLE = "3-CPR sub-legs, arrangement (b)"
+NOTATION = "3-[(3-CPR)SP]"
+TITLE = "(3-CPR) sub-legs, arrangement (b)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -127,6 +127,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "distance from axis 2, positive"),
         ("rho_3", "distance from axis 3, positive"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("turn_1", "revolute"),
+        ("travel_1", "prismatic"),
+        ("turn_2", "revolute"),
+        ("travel_2", "prismatic"),
+        ("turn_3", "revolute"),
+        ("travel_3", "prismatic"),
+    ),
     "passive": (
         ("turn_1", "cylindrical joint 1 about e_1, from e_1 x e_1"),
         ("travel_1", "cylindrical joint 1 along e_1, from g_1"),
@@ -149,6 +160,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.3"),

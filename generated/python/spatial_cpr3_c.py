@@ -1,4 +1,4 @@
-"""3-3-CPRSP (spatial_cpr3_c): 3-CPR sub-legs, arrangement (c).
+"""3-[(3-CPR)SP] (spatial_cpr3_c): (3-CPR) sub-legs, arrangement (c).
 
 Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint.
 Spherical joints that slide along radial lines through the platform's centre.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_cpr3_c"
-NOTATION = "3-3-CPRSP"
-TITLE = "3-CPR sub-legs, arrangement (c)"
+NOTATION = "3-[(3-CPR)SP]"
+TITLE = "(3-CPR) sub-legs, arrangement (c)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -123,6 +123,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "distance from axis 2, positive"),
         ("rho_3", "distance from axis 3, positive"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("turn_1", "revolute"),
+        ("travel_1", "prismatic"),
+        ("turn_2", "revolute"),
+        ("travel_2", "prismatic"),
+        ("turn_3", "revolute"),
+        ("travel_3", "prismatic"),
+    ),
     "passive": (
         ("turn_1", "cylindrical joint 1 about e_1, from e_1 x e_1"),
         ("travel_1", "cylindrical joint 1 along e_1, from g_1"),
@@ -145,6 +156,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.3"),

@@ -1,4 +1,4 @@
-"""3-DeltaSR (spatial_delta_a): Delta sub-legs, arrangement (a).
+"""3-[(Delta)SR] (spatial_delta_a): (Delta) sub-legs, arrangement (a).
 
 Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its platform's
 orientation.  Redundant links from the spherical joints to revolute joints whose axes are normal to
@@ -54,8 +54,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_delta_a"
-NOTATION = "3-DeltaSR"
-TITLE = "Delta sub-legs, arrangement (a)"
+NOTATION = "3-[(Delta)SR]"
+TITLE = "(Delta) sub-legs, arrangement (a)"
 MODES: dict[str, tuple[int, ...]] = {
     "1+/2+/3+": (1, 1, 1),
     "1+/2+/3-": (1, 1, -1),
@@ -117,6 +117,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "arm 2, from the outward horizontal upwards"),
         ("theta_3", "arm 3, from the outward horizontal upwards"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("knee_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("knee_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("knee_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("knee_1", "parallelogram 1 on its arm: in the arm's plane, zero where the arm is stretched, positive upwards"),
         ("lean_1", "parallelogram 1 on its arm: out of the arm's plane, towards the tangent"),
@@ -139,6 +150,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."),
+    ),
+    "requirements": (
+        ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

@@ -1,4 +1,4 @@
-"""3-DeltaSP (spatial_delta_b): Delta sub-legs, arrangement (b).
+"""3-[(Delta)SP] (spatial_delta_b): (Delta) sub-legs, arrangement (b).
 
 Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its platform's
 orientation.  Spherical joints on links that slide along tangential lines of the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_delta_b"
-NOTATION = "3-DeltaSP"
-TITLE = "Delta sub-legs, arrangement (b)"
+NOTATION = "3-[(Delta)SP]"
+TITLE = "(Delta) sub-legs, arrangement (b)"
 MODES: dict[str, tuple[int, ...]] = {
     "1+/2+/3+": (1, 1, 1),
     "1+/2+/3-": (1, 1, -1),
@@ -116,6 +116,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "arm 2, from the outward horizontal upwards"),
         ("theta_3", "arm 3, from the outward horizontal upwards"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("knee_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("knee_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("knee_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("knee_1", "parallelogram 1 on its arm: in the arm's plane, zero where the arm is stretched, positive upwards"),
         ("lean_1", "parallelogram 1 on its arm: out of the arm's plane, towards the tangent"),
@@ -138,6 +149,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

@@ -1,4 +1,4 @@
-"""3-DeltaSP (spatial_delta_c): Delta sub-legs, arrangement (c).
+"""3-[(Delta)SP] (spatial_delta_c): (Delta) sub-legs, arrangement (c).
 
 Parallel sub-leg: a Delta robot, three actuated arms and parallelograms that keep its platform's
 orientation.  Spherical joints that slide along radial lines through the platform's centre.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_delta_c"
-NOTATION = "3-DeltaSP"
-TITLE = "Delta sub-legs, arrangement (c)"
+NOTATION = "3-[(Delta)SP]"
+TITLE = "(Delta) sub-legs, arrangement (c)"
 MODES: dict[str, tuple[int, ...]] = {
     "1+/2+/3+": (1, 1, 1),
     "1+/2+/3-": (1, 1, -1),
@@ -112,6 +112,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "arm 2, from the outward horizontal upwards"),
         ("theta_3", "arm 3, from the outward horizontal upwards"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("knee_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("knee_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("knee_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("knee_1", "parallelogram 1 on its arm: in the arm's plane, zero where the arm is stretched, positive upwards"),
         ("lean_1", "parallelogram 1 on its arm: out of the arm's plane, towards the tangent"),
@@ -134,6 +145,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

@@ -118,6 +118,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "crank u_1 (l_4), from x towards e_1"),
         ("theta_3", "crank u_2 (l_2), from x towards e_1"),
     ),
+    "joint kinds": (
+        ("d", "prismatic"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("crank_1", "revolute"),
+        ("crank_2", "revolute"),
+        ("rod", "revolute"),
+    ),
     "passive": (
         ("crank_1", "E, tip of u_1: distal link v_1 relative to u_1"),
         ("crank_2", "C, tip of u_2: rod v_2 relative to u_2"),
@@ -136,6 +144,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.2"),

@@ -114,6 +114,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "crank u_1 (l_4), from x towards e_1"),
         ("theta_3", "crank u_2 (l_2), from x towards e_1"),
     ),
+    "joint kinds": (
+        ("d", "prismatic"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("crank_1", "revolute"),
+        ("crank_2", "revolute"),
+        ("rod", "revolute"),
+    ),
     "passive": (
         ("crank_1", "E, tip of u_1: distal link v_1 relative to u_1"),
         ("crank_2", "C, tip of u_2: rod v_2 relative to u_2"),
@@ -132,6 +140,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.2"),

@@ -104,6 +104,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "about e_t; link i2 from e_x towards e_1"),
         ("theta_3", "about e_t; link i3 relative to link i2"),
     ),
+    "joint kinds": (
+        ("d", "prismatic"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -117,6 +122,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."),
+    ),
+    "requirements": (
+        ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

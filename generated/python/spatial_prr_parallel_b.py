@@ -107,6 +107,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "about e_t; link i2 from e_x towards e_1"),
         ("theta_3", "about e_t; link i3 relative to link i2"),
     ),
+    "joint kinds": (
+        ("d", "prismatic"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -120,6 +125,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.1, Fig. 2.11"),

@@ -103,6 +103,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "about e_t; link i2 from e_x towards e_1"),
         ("theta_3", "about e_t; link i3 relative to link i2"),
     ),
+    "joint kinds": (
+        ("d", "prismatic"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -116,6 +121,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.1, Fig. 2.11"),

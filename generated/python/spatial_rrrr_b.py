@@ -108,6 +108,12 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_3", "about link i2; zero where the elbow's axis is e_2"),
         ("theta_4", "elbow; link i3 relative to link i2"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("theta_4", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -125,6 +131,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

@@ -104,6 +104,12 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_3", "about link i2; zero where the elbow's axis is e_2"),
         ("theta_4", "elbow; link i3 relative to link i2"),
     ),
+    "joint kinds": (
+        ("theta_1", "revolute"),
+        ("theta_2", "revolute"),
+        ("theta_3", "revolute"),
+        ("theta_4", "revolute"),
+    ),
     "passive": (
     ),
     "swivel": (
@@ -121,6 +127,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

@@ -1,4 +1,4 @@
-"""3-TripteronSR (spatial_tripteron_a): Tripteron sub-legs, arrangement (a).
+"""3-[(Tripteron)SR] (spatial_tripteron_a): (Tripteron) sub-legs, arrangement (a).
 
 Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone.
 Redundant links from the spherical joints to revolute joints whose axes are normal to the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_tripteron_a"
-NOTATION = "3-TripteronSR"
-TITLE = "Tripteron sub-legs, arrangement (a)"
+NOTATION = "3-[(Tripteron)SR]"
+TITLE = "(Tripteron) sub-legs, arrangement (a)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -107,6 +107,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "slide along e_1, from c"),
         ("rho_3", "slide along e_t, from c"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("hinge_1", "revolute"),
+        ("elbow_1", "revolute"),
+        ("hinge_2", "revolute"),
+        ("elbow_2", "revolute"),
+        ("hinge_3", "revolute"),
+        ("elbow_3", "revolute"),
+    ),
     "passive": (
         ("hinge_1", "links of slide 1: first link about the slide's axis, from the next axis of R towards the one after"),
         ("elbow_1", "links of slide 1: second link relative to the first, positive"),
@@ -128,6 +139,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."),
+    ),
+    "requirements": (
+        ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

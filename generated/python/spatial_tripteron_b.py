@@ -1,4 +1,4 @@
-"""3-TripteronSP (spatial_tripteron_b): Tripteron sub-legs, arrangement (b).
+"""3-[(Tripteron)SP] (spatial_tripteron_b): (Tripteron) sub-legs, arrangement (b).
 
 Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone.
 Spherical joints on links that slide along tangential lines of the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_tripteron_b"
-NOTATION = "3-TripteronSP"
-TITLE = "Tripteron sub-legs, arrangement (b)"
+NOTATION = "3-[(Tripteron)SP]"
+TITLE = "(Tripteron) sub-legs, arrangement (b)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -107,6 +107,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "slide along e_1, from c"),
         ("rho_3", "slide along e_t, from c"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("hinge_1", "revolute"),
+        ("elbow_1", "revolute"),
+        ("hinge_2", "revolute"),
+        ("elbow_2", "revolute"),
+        ("hinge_3", "revolute"),
+        ("elbow_3", "revolute"),
+    ),
     "passive": (
         ("hinge_1", "links of slide 1: first link about the slide's axis, from the next axis of R towards the one after"),
         ("elbow_1", "links of slide 1: second link relative to the first, positive"),
@@ -128,6 +139,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

@@ -1,4 +1,4 @@
-"""3-TripteronSP (spatial_tripteron_c): Tripteron sub-legs, arrangement (c).
+"""3-[(Tripteron)SP] (spatial_tripteron_c): (Tripteron) sub-legs, arrangement (c).
 
 Parallel sub-leg: three actuated slides at right angles, each moving S_i along its own axis alone.
 Spherical joints that slide along radial lines through the platform's centre.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_tripteron_c"
-NOTATION = "3-TripteronSP"
-TITLE = "Tripteron sub-legs, arrangement (c)"
+NOTATION = "3-[(Tripteron)SP]"
+TITLE = "(Tripteron) sub-legs, arrangement (c)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -103,6 +103,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "slide along e_1, from c"),
         ("rho_3", "slide along e_t, from c"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("hinge_1", "revolute"),
+        ("elbow_1", "revolute"),
+        ("hinge_2", "revolute"),
+        ("elbow_2", "revolute"),
+        ("hinge_3", "revolute"),
+        ("elbow_3", "revolute"),
+    ),
     "passive": (
         ("hinge_1", "links of slide 1: first link about the slide's axis, from the next axis of R towards the one after"),
         ("elbow_1", "links of slide 1: second link relative to the first, positive"),
@@ -124,6 +135,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

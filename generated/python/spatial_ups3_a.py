@@ -1,4 +1,4 @@
-"""3-3-UPSSR (spatial_ups3_a): 3-UPS sub-legs, arrangement (a).
+"""3-[(3-UPS)SR] (spatial_ups3_a): (3-UPS) sub-legs, arrangement (a).
 
 Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i.  Redundant
 links from the spherical joints to revolute joints whose axes are normal to the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_ups3_a"
-NOTATION = "3-3-UPSSR"
-TITLE = "3-UPS sub-legs, arrangement (a)"
+NOTATION = "3-[(3-UPS)SR]"
+TITLE = "(3-UPS) sub-legs, arrangement (a)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -99,6 +99,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("tilt_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("tilt_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("tilt_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("tilt_1", "universal joint of strut 1: about e_x, zero where the strut is normal to e_1"),
         ("lean_1", "universal joint of strut 1: about its second axis, zero where the strut is normal to e_x"),
@@ -121,6 +132,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."),
+    ),
+    "requirements": (
+        ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

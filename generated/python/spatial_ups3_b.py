@@ -1,4 +1,4 @@
-"""3-3-UPSSP (spatial_ups3_b): 3-UPS sub-legs, arrangement (b).
+"""3-[(3-UPS)SP] (spatial_ups3_b): (3-UPS) sub-legs, arrangement (b).
 
 Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i.  Spherical
 joints on links that slide along tangential lines of the platform.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_ups3_b"
-NOTATION = "3-3-UPSSP"
-TITLE = "3-UPS sub-legs, arrangement (b)"
+NOTATION = "3-[(3-UPS)SP]"
+TITLE = "(3-UPS) sub-legs, arrangement (b)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -99,6 +99,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("tilt_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("tilt_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("tilt_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("tilt_1", "universal joint of strut 1: about e_x, zero where the strut is normal to e_1"),
         ("lean_1", "universal joint of strut 1: about its second axis, zero where the strut is normal to e_x"),
@@ -121,6 +132,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

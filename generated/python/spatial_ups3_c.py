@@ -1,4 +1,4 @@
-"""3-3-UPSSP (spatial_ups3_c): 3-UPS sub-legs, arrangement (c).
+"""3-[(3-UPS)SP] (spatial_ups3_c): (3-UPS) sub-legs, arrangement (c).
 
 Parallel sub-leg: three actuated struts from universal joints on the base meet in S_i.  Spherical
 joints that slide along radial lines through the platform's centre.
@@ -53,8 +53,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_ups3_c"
-NOTATION = "3-3-UPSSP"
-TITLE = "3-UPS sub-legs, arrangement (c)"
+NOTATION = "3-[(3-UPS)SP]"
+TITLE = "(3-UPS) sub-legs, arrangement (c)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -95,6 +95,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("tilt_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("tilt_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("tilt_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("tilt_1", "universal joint of strut 1: about e_x, zero where the strut is normal to e_1"),
         ("lean_1", "universal joint of strut 1: about its second axis, zero where the strut is normal to e_x"),
@@ -117,6 +128,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

@@ -1,4 +1,4 @@
-"""3-3-UPUSR (spatial_upu3_a): 3-UPU sub-legs, arrangement (a).
+"""3-[(3-UPU)SR] (spatial_upu3_a): (3-UPU) sub-legs, arrangement (a).
 
 Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its
 orientation, S_i is on it.  Redundant links from the spherical joints to revolute joints whose axes
@@ -54,8 +54,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_upu3_a"
-NOTATION = "3-3-UPUSR"
-TITLE = "3-UPU sub-legs, arrangement (a)"
+NOTATION = "3-[(3-UPU)SR]"
+TITLE = "(3-UPU) sub-legs, arrangement (a)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -100,6 +100,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("tilt_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("tilt_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("tilt_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("tilt_1", "universal joints of strut 1: about the tangent t_k, zero where the strut is in the plane of t_k and e_z; opposite above"),
         ("lean_1", "universal joints of strut 1: about the second axis, zero where the strut is normal to t_k; opposite above"),
@@ -123,6 +134,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35))."),
+    ),
+    "requirements": (
+        ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

@@ -1,4 +1,4 @@
-"""3-3-UPUSP (spatial_upu3_b): 3-UPU sub-legs, arrangement (b).
+"""3-[(3-UPU)SP] (spatial_upu3_b): (3-UPU) sub-legs, arrangement (b).
 
 Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its
 orientation, S_i is on it.  Spherical joints on links that slide along tangential lines of the
@@ -54,8 +54,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_upu3_b"
-NOTATION = "3-3-UPUSP"
-TITLE = "3-UPU sub-legs, arrangement (b)"
+NOTATION = "3-[(3-UPU)SP]"
+TITLE = "(3-UPU) sub-legs, arrangement (b)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -100,6 +100,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("tilt_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("tilt_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("tilt_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("tilt_1", "universal joints of strut 1: about the tangent t_k, zero where the strut is in the plane of t_k and e_z; opposite above"),
         ("lean_1", "universal joints of strut 1: about the second axis, zero where the strut is normal to t_k; opposite above"),
@@ -123,6 +134,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "-det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

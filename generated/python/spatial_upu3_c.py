@@ -1,4 +1,4 @@
-"""3-3-UPUSP (spatial_upu3_c): 3-UPU sub-legs, arrangement (c).
+"""3-[(3-UPU)SP] (spatial_upu3_c): (3-UPU) sub-legs, arrangement (c).
 
 Parallel sub-leg: three actuated struts between universal joints carry a platform that keeps its
 orientation, S_i is on it.  Spherical joints that slide along radial lines through the platform's
@@ -54,8 +54,8 @@ __all__ = [
 ]
 
 IDENTIFIER = "spatial_upu3_c"
-NOTATION = "3-3-UPUSP"
-TITLE = "3-UPU sub-legs, arrangement (c)"
+NOTATION = "3-[(3-UPU)SP]"
+TITLE = "(3-UPU) sub-legs, arrangement (c)"
 MODES: dict[str, tuple[int, ...]] = {
     "only": (),
 }
@@ -96,6 +96,17 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "joint kinds": (
+        ("rho_1", "prismatic"),
+        ("rho_2", "prismatic"),
+        ("rho_3", "prismatic"),
+        ("tilt_1", "revolute"),
+        ("lean_1", "revolute"),
+        ("tilt_2", "revolute"),
+        ("lean_2", "revolute"),
+        ("tilt_3", "revolute"),
+        ("lean_3", "revolute"),
+    ),
     "passive": (
         ("tilt_1", "universal joints of strut 1: about the tangent t_k, zero where the strut is in the plane of t_k and e_z; opposite above"),
         ("lean_1", "universal joints of strut 1: about the second axis, zero where the strut is normal to t_k; opposite above"),
@@ -119,6 +130,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "type II": (
         ("margins", "det J_a (m) and det J_n (m^2): positive while all d_i > 0"),
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
+    ),
+    "requirements": (
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

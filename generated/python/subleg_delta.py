@@ -69,8 +69,8 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the Delta sub-leg from its actuated joints.  Thesis: 3.5.  (47 add, 65 multiply, 2
-    divide, 1 square root, 3 sine cosine, 1 select)"""
+    """End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (47 add, 65 multiply,
+    2 divide, 1 square root, 3 sine cosine, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     cos_1 = np.cos(theta_0)
@@ -123,8 +123,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point and posture of the Delta sub-leg from its actuated joints.  Thesis: 3.5.  (71 add, 83
-    multiply, 2 divide, 1 square root, 3 sine cosine, 1 select)"""
+    """End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (71 add,
+    83 multiply, 2 divide, 1 square root, 3 sine cosine, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     cos_1 = np.cos(theta_0)
@@ -222,8 +222,8 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Actuated joints of the Delta sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 3
+    """Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN
+    where the end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 3
     arctangent, 2 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, mode_2 = mode
@@ -270,7 +270,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
-    """Every working mode of the Delta sub-leg, in the order 1+/2+/3+, 1+/2+/3-, 1+/2-/3+, 1+/2-/3-,
+    """Every working mode of the (Delta) sub-leg, in the order 1+/2+/3+, 1+/2+/3-, 1+/2-/3+, 1+/2-/3-,
     1-/2+/3+, 1-/2+/3-, 1-/2-/3+, 1-/2-/3-; NaN where a mode does not exist.  Thesis: 2.4.4.  (45
     add, 42 multiply, 3 square root, 6 arctangent, 2 select)"""
     s_0, s_1, s_2 = s
@@ -350,7 +350,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the Delta sub-leg.  (30 add, 24
+    """Distance by which the end point lies outside the reach of the (Delta) sub-leg.  (30 add, 24
     multiply, 3 square root, 5 select)"""
     s_0, s_1, s_2 = s
     a_1_0 = s_0 - g.g[0]  # s - g_k
@@ -381,7 +381,7 @@ def reach(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the Delta sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
+    """Posture of the (Delta) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
     (24 add, 30 multiply, 3 sine cosine)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -432,7 +432,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the Delta sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
+    """Jacobian M_i of the (Delta) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -469,8 +469,8 @@ def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
-    """Rows of K: N M_i for the Delta sub-leg, where the rows of N are the directions of the platform's
-    lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
+    """Rows of K: N M_i for the (Delta) sub-leg, where the rows of N are the directions of the
+    platform's lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
     N_00, N_01, N_02, N_10, N_11, N_12 = N
@@ -504,7 +504,7 @@ def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the Delta sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
+    """Velocity of the end point of the (Delta) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -536,7 +536,7 @@ def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the Delta sub-leg and the part of its acceleration that does not
+    """Velocity of the end point of the (Delta) sub-leg and the part of its acceleration that does not
     depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (115 add, 181
     multiply, 1 divide, 3 sine cosine, 1 select)"""
     s_0, s_1, s_2 = s
@@ -638,7 +638,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
-    """Actuated joint rates of the Delta sub-leg from the velocity of its end point: B^-1 A s_dot.
+    """Actuated joint rates of the (Delta) sub-leg from the velocity of its end point: B^-1 A s_dot.
     Linear, so it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5
     select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
@@ -661,7 +661,7 @@ def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
 
 
 def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """det M_i of the Delta sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.
+    """det M_i of the (Delta) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.
     Thesis: 1.4.  (5 add, 15 multiply, 1 divide)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -680,8 +680,8 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, w: Any, u: Any) -> tuple[Any, ...]:
-    """Passive joints of the Delta sub-leg and the orientation of its last link.  (15 add, 30 multiply,
-    3 square root, 6 arctangent)"""
+    """Passive joints of the (Delta) sub-leg and the orientation of its last link.  (15 add, 30
+    multiply, 3 square root, 6 arctangent)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     u_00, u_01, u_10, u_11, u_20, u_21 = u
     q_1_0 = g.x[0] * w_00 + g.x[1] * w_01  # parallelogram in the arm's plane
@@ -714,7 +714,7 @@ def passive(g: Any, w: Any, u: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, w: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the Delta sub-leg, from the base to S_i.  (9 add)"""
+    """Joints of the (Delta) sub-leg, from the base to S_i.  (9 add)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     s_0, s_1, s_2 = s
     return (

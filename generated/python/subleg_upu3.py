@@ -75,8 +75,8 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the 3-UPU sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply, 1
-    divide, 1 square root, 1 select)"""
+    """End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply,
+    1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
@@ -103,8 +103,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point and posture of the 3-UPU sub-leg from its actuated joints.  Thesis: 3.5.  (30 add, 25
-    multiply, 1 divide, 1 square root, 1 select)"""
+    """End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (30 add,
+    25 multiply, 1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
@@ -159,8 +159,8 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def inverse(g: Any, s: Any) -> tuple[Any, ...]:
-    """Actuated joints of the 3-UPU sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""
+    """Actuated joints of the (3-UPU) sub-leg in one working mode.  The mode is given by signs; NaN
+    where the end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""
     s_0, s_1, s_2 = s
     w_1_0 = s_0 - g.g[0]  # strut 1
     w_1_1 = s_1 - g.g[1]
@@ -184,7 +184,7 @@ def inverse(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
-    """Every working mode of the 3-UPU sub-leg, in the order only; NaN where a mode does not exist.
+    """Every working mode of the (3-UPU) sub-leg, in the order only; NaN where a mode does not exist.
     Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""
     s_0, s_1, s_2 = s
     w_1_0 = s_0 - g.g[0]  # strut 1
@@ -209,14 +209,14 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the 3-UPU sub-leg.  (no operations)"""
+    """Distance by which the end point lies outside the reach of the (3-UPU) sub-leg.  (no operations)"""
     return (
         0,
     )
 
 
 def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
-    """Posture of the 3-UPU sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
+    """Posture of the (3-UPU) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.
     (9 add)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -250,7 +250,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the 3-UPU sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
+    """Jacobian M_i of the (3-UPU) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -287,8 +287,8 @@ def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
-    """Rows of K: N M_i for the 3-UPU sub-leg, where the rows of N are the directions of the platform's
-    lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
+    """Rows of K: N M_i for the (3-UPU) sub-leg, where the rows of N are the directions of the
+    platform's lines.  Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
     N_00, N_01, N_02, N_10, N_11, N_12 = N
@@ -322,7 +322,7 @@ def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the 3-UPU sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
+    """Velocity of the end point of the (3-UPU) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -354,7 +354,7 @@ def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the 3-UPU sub-leg and the part of its acceleration that does not
+    """Velocity of the end point of the (3-UPU) sub-leg and the part of its acceleration that does not
     depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (76 add, 88
     multiply, 1 divide, 1 select)"""
     s_0, s_1, s_2 = s
@@ -432,7 +432,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 
 def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
-    """Actuated joint rates of the 3-UPU sub-leg from the velocity of its end point: B^-1 A s_dot.
+    """Actuated joint rates of the (3-UPU) sub-leg from the velocity of its end point: B^-1 A s_dot.
     Linear, so it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5
     select)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
@@ -455,7 +455,7 @@ def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
 
 
 def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """det M_i of the 3-UPU sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume,
+    """det M_i of the (3-UPU) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume,
     constraint.  Thesis: 1.4.  (19 add, 37 multiply, 1 divide)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     b_0, b_1, b_2 = b
@@ -485,8 +485,8 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, w: Any) -> tuple[Any, ...]:
-    """Passive joints of the 3-UPU sub-leg and the orientation of its last link.  (9 add, 18 multiply,
-    3 square root, 6 arctangent)"""
+    """Passive joints of the (3-UPU) sub-leg and the orientation of its last link.  (9 add, 18
+    multiply, 3 square root, 6 arctangent)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     strut_1_0 = g.x[0] * w_01 - g.x[1] * w_00
     t1 = g.x[0] * w_00 + g.x[1] * w_01
@@ -521,7 +521,7 @@ def passive(g: Any, w: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the 3-UPU sub-leg, from the base to S_i.  (no operations)"""
+    """Joints of the (3-UPU) sub-leg, from the base to S_i.  (no operations)"""
     s_0, s_1, s_2 = s
     return (
         g.g[0],

@@ -1,7 +1,8 @@
-"""The command line: `krhpr list`, `info`, `eval`, `generate`, `compile`, `validate`; one module per command.
+"""The command line: `krhpr list`, `info`, `eval`, `generate`, `compile`, `validate`, `schema`; one module per
+command.
 
-SymPy, Jinja2 and rich are imported inside the commands that need them: `list`, `info`, `eval` and `compile`
-take NumPy alone.
+SymPy, Jinja2, PyYAML and rich are imported inside the commands that need them: `list`, `info`, `eval` and
+`compile` take NumPy alone (and PyYAML, where they are given a robot file).
 """
 
 from krhpr.cli.app import main

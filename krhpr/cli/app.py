@@ -13,9 +13,19 @@ from contextlib import contextmanager
 from typing import Any
 
 from krhpr import __version__
-from krhpr.cli import certify_command, compile_command, eval_command, generate, info, list_command, validate
+from krhpr.cli import (
+    certify_command,
+    compile_command,
+    eval_command,
+    generate,
+    info,
+    list_command,
+    schema_command,
+    validate,
+)
 from krhpr.cli.common import Command, Exit, WrongUse, first_words
 from krhpr.errors import InvalidInput, KrhprError, UnknownBranch, UnknownRobot
+from krhpr.robot_files.problems import RobotFileError
 
 COMMANDS: tuple[Command, ...] = (
     list_command.COMMAND,
@@ -25,6 +35,7 @@ COMMANDS: tuple[Command, ...] = (
     generate.COMMAND,
     compile_command.COMMAND,
     validate.COMMAND,
+    schema_command.COMMAND,
 )
 
 DESCRIPTION = """\
@@ -40,6 +51,7 @@ examples:
   krhpr certify spatial_rrr_a --low 30 --high 150 --degrees --open
   krhpr generate --check                        what `krhpr generate` would change, and why
   krhpr generate spatial_rrr_a --out arm        one robot's code in a folder that stands alone
+  krhpr generate arm.yaml --out arm             the same for a robot file, with sizes of your own
 
 exit codes:
   0    success
@@ -89,7 +101,7 @@ def _explain(error: Exception) -> tuple[str, Exit] | None:
     """The message and the exit code for an error; None where it is one that nobody expects."""
     from krhpr.native import CompilationError, NoCompiler
 
-    if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput)):
+    if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput, RobotFileError)):
         return str(error), Exit.WRONG_USE
     if isinstance(error, (KrhprError, NoCompiler, CompilationError)):
         return str(error), Exit.FAILED
@@ -105,6 +117,7 @@ def _explain(error: Exception) -> tuple[str, Exit] | None:
 
 
 _EXTRAS = {
+    "files": ("yaml",),
     "generate": ("sympy", "jinja2", "rich"),
     "validate": ("flint", "pycparser", "mpmath", "casadi"),
 }

@@ -25,12 +25,15 @@ examples:
     krhpr eval planar_rr_a inverse --status
   krhpr eval planar_rr_a inverse --input poses.csv --mode elbow- --to json
   krhpr eval planar_rr_a subleg_forward --input joints.json --geometry l_1=0.14
-  krhpr eval planar_rr_a inverse --input poses.json --geometry l_2=0.15,0.16,0.17"""
+  krhpr eval planar_rr_a inverse --input poses.json --geometry l_2=0.15,0.16,0.17
+  krhpr eval my_robot.yaml inverse --input poses.json"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
-    parser.add_argument("robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it")
+    parser.add_argument(
+        "robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it, or a robot file"
+    )
     parser.add_argument("function", metavar="FUNCTION", help="name, as `krhpr info ROBOT` shows it")
     parser.add_argument(
         "--input", metavar="FILE", default="-", help="file to read; - (the default) is standard input"

@@ -8,7 +8,7 @@ import re
 import signal
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -20,7 +20,7 @@ from krhpr.errors import UnknownRobot
 
 if TYPE_CHECKING:
     from krhpr.codegen.output import Change
-    from krhpr.codegen.pipeline import Derived
+    from krhpr.codegen.pipeline import Custom, Derived
     from krhpr.codegen.stamp import Rows
     from krhpr.codegen.targets.base import File
     from krhpr.derivations.catalogue import Entry
@@ -30,6 +30,8 @@ examples:
   krhpr generate                          write generated/ and compile every robot
   krhpr generate --check                  write nothing; exit code 3 where a file differs
   krhpr generate spatial_rrr_a --out arm  a Python package, and C with CMake
+  krhpr generate arm.yaml --out arm       the same for a robot file, under its name
+  krhpr generate arm.yaml --out arm --bake
 
 Files are moved into place when all of them are ready; an interrupted run leaves
 the old ones whole."""
@@ -41,13 +43,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "robots",
         metavar="ROBOT",
         nargs="*",
-        help="robots to gather with --out (default: all of the catalogue)",
+        help="robots to gather with --out, by name or as robot files (default: all of the catalogue)",
     )
     parser.add_argument(
         "--check", action="store_true", help="write nothing: say which files would change, and why"
     )
     parser.add_argument(
         "--out", metavar="DIR", type=Path, help="write a folder that stands alone: nothing in it needs krhpr"
+    )
+    parser.add_argument(
+        "--bake",
+        action="store_true",
+        help="with --out: make lengths and angles constants of the code, and no argument of its functions",
     )
     parser.add_argument(
         "--anew", action="store_true", help="derive again even where nothing changed since the last run"
@@ -59,6 +66,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Generate, or compare."""
+    if options.bake and options.out is None:
+        raise WrongUse("--bake makes the sizes of a folder's robots constants: add --out DIR")
     if options.robots and options.out is None:
         _entries(options.robots)  # a wrong name is told first
         raise WrongUse(
@@ -76,9 +85,9 @@ def run(options: argparse.Namespace) -> int:
 def _check_or_gather(options: argparse.Namespace, folder: Path) -> int:
     """Write nothing, or a folder that stands alone."""
     begin = perf_counter()
-    entries = _entries(options.robots)
+    entries, customs = _orders(options.robots, bake=options.bake)
     with progress(_steps(entries)) as step:
-        derived, files = _derive_and_print(entries, options.out, step)
+        derived, files = _derive_and_print(entries, customs, options.out, step)
     if options.check:
         return _report_check(files, folder, standalone=options.out is not None)
     changes = _write(files, folder, standalone=True)
@@ -100,7 +109,7 @@ def _generate_all(folder: Path, *, anew: bool, compiles: bool) -> int:
         entries = _entries(())
         inputs = stamp.inputs_digest(folder)
         with progress(_steps(entries)) as step:
-            derived, files = _derive_and_print(entries, None, step)
+            derived, files = _derive_and_print(entries, (), None, step)
         changes = _write(files, folder, standalone=False)
         rows = _rows(derived, files)
         stamp.remember(folder, inputs, rows)
@@ -123,11 +132,13 @@ def generated_folder() -> Path:
 
 
 def _entries(names: Sequence[str]) -> list[Entry]:
+    """The robots of the catalogue with these names (all of them where there are none); robot files apart."""
     from krhpr.derivations.catalogue import catalogue
+    from krhpr.robot_files import is_robot_file
 
     known = {entry.identifier: entry for entry in catalogue()}
     for name in names:
-        if name not in known:
+        if name not in known and not is_robot_file(name):
             raise UnknownRobot.among(name, list(known))
     return [entry for identifier, entry in known.items() if not names or identifier in names]
 
@@ -138,11 +149,56 @@ def _steps(entries: Sequence[Entry]) -> int:
     return len(entries) + len(TARGETS) + 1
 
 
-def _derive_and_print(entries: Sequence[Entry], out: Path | None, step: Step) -> tuple[Derived, list[File]]:
-    from krhpr.codegen.pipeline import derive, print_all
+def _orders(names: Sequence[str], *, bake: bool) -> tuple[list[Entry], list[Custom | None]]:
+    """The robots of the catalogue to derive, and what their robot files (or --bake) change in them."""
+    from krhpr.robot_files import is_robot_file
+
+    known = {entry.identifier: entry for entry in _entries(names)}
+    if not names:
+        return list(known.values()), [_baked(entry) if bake else None for entry in known.values()]
+    entries: list[Entry] = []
+    customs: list[Custom | None] = []
+    seen: dict[str, str] = {}
+    everything = {entry.identifier: entry for entry in _entries(())} if len(known) < len(names) else known
+    for name in names:
+        if is_robot_file(name):
+            entry, custom = _custom(Path(name), everything, bake=bake)
+        else:
+            entry, custom = known[name], _baked(known[name]) if bake else None
+        called = custom.name if custom else entry.identifier
+        if called in seen:
+            raise WrongUse(f"{seen[called]} and {name} are both called {called}; rename one of them")
+        seen[called] = name
+        entries.append(entry)
+        customs.append(custom)
+    return entries, customs
+
+
+def _custom(path: Path, known: Mapping[str, Entry], *, bake: bool) -> tuple[Entry, Custom | None]:
+    """The robot of the catalogue that a file chooses, and what it changes in it."""
+    from krhpr.codegen.pipeline import Custom
+    from krhpr.loading import checked_file
+
+    file = checked_file(path)
+    return known[file.identifier], Custom(file.name, file.sizes, file.limits, bake)
+
+
+def _baked(entry: Entry) -> Custom:
+    from krhpr.codegen.pipeline import Custom
+    from krhpr.limits import Limits
+
+    return Custom(entry.identifier, entry.sizes, Limits(), baked=True)
+
+
+def _derive_and_print(
+    entries: Sequence[Entry], customs: Sequence[Custom | None], out: Path | None, step: Step
+) -> tuple[Derived, list[File]]:
+    from krhpr.codegen.pipeline import customised, derive, print_all
     from krhpr.codegen.standalone import standalone_files
 
     derived = derive(entries, step)
+    if customs:
+        derived = customised(derived, customs)
     files = print_all(derived, step)
     if out is not None:
         files = standalone_files(derived, files, out.absolute().name)

@@ -7,7 +7,7 @@ import json
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import krhpr
@@ -16,12 +16,15 @@ from krhpr.errors import nearest
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Port, Signature
+    from krhpr.limits import Limits
     from krhpr.robot import Robot
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
-    parser.add_argument("robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it")
+    parser.add_argument(
+        "robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it, or a robot file"
+    )
     parser.add_argument("--function", metavar="NAME", help="everything about one function")
     parser.add_argument("--json", action="store_true", help="print an object")
 
@@ -30,12 +33,13 @@ def run(options: argparse.Namespace) -> int:
     """Print what a robot, or one of its functions, is."""
     robot = krhpr.load(options.robot, backend="numpy")
     if options.function is None:
-        print(json.dumps(robot_facts(robot), indent=1) if options.json else _robot_text(robot))
+        print(json.dumps(robot_facts(robot), indent=1) if options.json else _robot_text(robot, options.robot))
         return Exit.OK
     signature = find_signature(robot, options.function)
-    print(
-        json.dumps(function_facts(signature), indent=1) if options.json else _function_text(robot, signature)
-    )
+    if options.json:
+        print(json.dumps(function_facts(signature), indent=1))
+    else:
+        print(_function_text(robot, signature, options.robot))
     return Exit.OK
 
 
@@ -55,6 +59,7 @@ def robot_facts(robot: Robot) -> dict[str, Any]:
     about = {topic: dict(rows) for topic, rows in robot.documentation.items()}
     return {
         "robot": robot.identifier,
+        "name": robot.name,
         "notation": robot.notation,
         "title": robot.title,
         "thesis": about["sections"],
@@ -76,10 +81,29 @@ def robot_facts(robot: Robot) -> dict[str, Any]:
             }
             for name, meaning in about["geometry"].items()
         ],
+        "limits": limits_facts(robot.limits),
         "singular_factors": about["singular factors"],
         "type_2": about["type II"],
         "functions": [function_facts(robot.signature(name)) for name in robot.functions],
     }
+
+
+def limits_facts(limits: Limits) -> dict[str, Any]:
+    """Limits as JSON values, each for the three legs; only what is limited."""
+    found: dict[str, Any] = {
+        group: {name: [[leg.low, leg.high] for leg in legs] for name, legs in table.items()}
+        for group, table in (("actuators", limits.actuators), ("passive", limits.passive))
+        if table
+    }
+    if limits.spherical is not None:
+        found["spherical"] = [
+            {"tilt": cone.tilt, "socket": cone.socket, "stud": cone.stud} for cone in limits.spherical
+        ]
+    if limits.link_radii:
+        found["link_radii"] = {name: list(legs) for name, legs in limits.link_radii.items()}
+    if limits.clearance is not None:
+        found["clearance"] = limits.clearance
+    return found
 
 
 def passive_joints(robot: Robot) -> dict[str, str]:
@@ -117,10 +141,11 @@ def _port_facts(port: Port) -> dict[str, Any]:
 # -- as text -------------------------------------------------------------------------------------------------
 
 
-def _robot_text(robot: Robot) -> str:
+def _robot_text(robot: Robot, source: str) -> str:
     facts = robot_facts(robot)
     sections = "; ".join(f"{what} {section}" for what, section in facts["thesis"].items() if section)
-    lines = [f"{robot.identifier}  {robot.notation}", f"{robot.title} (thesis: {sections})"]
+    own = f"{robot.name}: " if robot.name != robot.identifier else ""
+    lines = [f"{own}{robot.identifier}  {robot.notation}", f"{robot.title} (thesis: {sections})"]
     lines += _section("Actuated joints of a leg, with their zeros", facts["actuators"].items())
     lines += _section("Redundant coordinate of a leg", facts["redundant_coordinate"].items())
     lines += _section("Passive joints", facts["passive_joints"].items())
@@ -128,6 +153,7 @@ def _robot_text(robot: Robot) -> str:
         "Geometry (for each leg; `with_geometry` and `--geometry` change it)",
         _geometry_rows(facts["geometry"]),
     )
+    lines += _section("Limits", _limit_rows(robot.limits))
     modes = facts["working_modes"]
     lines += _section("Working modes of a leg (* is the default)", modes["choices"].items())
     lines += _wrapped("  ".join(label + "*" * (label == modes["default"]) for label in modes["labels"]), "  ")
@@ -137,7 +163,7 @@ def _robot_text(robot: Robot) -> str:
     lines += _section("Factors of det M_i, zero in a type I singularity", facts["singular_factors"].items())
     lines += _section("Factors of det J, zero in a type II singularity", facts["type_2"].items())
     rows = [(name, _call_text(robot.signature(name))) for name in robot.functions]
-    lines += _section(f"Functions (krhpr info {robot.identifier} --function NAME)", rows)
+    lines += _section(f"Functions (krhpr info {source} --function NAME)", rows)
     return "\n".join(lines)
 
 
@@ -151,7 +177,30 @@ def _geometry_rows(fields: Iterable[dict[str, Any]]) -> list[tuple[str, str]]:
     return rows
 
 
-def _function_text(robot: Robot, signature: Signature) -> str:
+def _limit_rows(limits: Limits) -> list[tuple[str, str]]:
+    def text(legs: Iterable[Any], show: Callable[[Any], str]) -> str:
+        shown = [show(leg) for leg in legs]
+        return shown[0] if len(set(shown)) == 1 else ", ".join(shown)
+
+    rows = [
+        (name, text(legs, lambda leg: f"{leg.low:.6g} to {leg.high:.6g}"))
+        for table in (limits.actuators, limits.passive)
+        for name, legs in table.items()
+    ]
+    if limits.spherical is not None:
+        rows.append(
+            ("spherical", "tilt of at most " + text(limits.spherical, lambda cone: f"{cone.tilt:.6g}"))
+        )
+    rows += [
+        (f"radius of {name}", text(legs, lambda leg: f"{leg:.6g}"))
+        for name, legs in limits.link_radii.items()
+    ]
+    if limits.clearance is not None:
+        rows.append(("clearance", f"{limits.clearance:.6g}"))
+    return rows
+
+
+def _function_text(robot: Robot, signature: Signature, source: str) -> str:
     lines = [f"robot.{signature.name}: {_call_text(signature)}", *_wrapped(signature.doc, "")]
     if signature.equations:
         lines.append(f"Thesis: {signature.equations}.")
@@ -169,9 +218,9 @@ def _function_text(robot: Robot, signature: Signature) -> str:
         lines += _section("Labels that may stand for signs", choices)
     columns = " ".join(name for port in signature.inputs for name in _some_columns(port))
     places = [
-        ("Python", f"krhpr.load({robot.identifier!r}).{_method(signature.name)}"),
-        ("C", f"krhpr_{robot.identifier}_{signature.name} and ..._batch in krhpr_{robot.identifier}.h"),
-        ("command line", f"krhpr eval {robot.identifier} {signature.name}"),
+        ("Python", f"krhpr.load({source!r}).{_method(signature.name)}"),
+        ("C", f"krhpr_{robot.name}_{signature.name} and ..._batch in krhpr_{robot.name}.h"),
+        ("command line", f"krhpr eval {source} {signature.name}"),
         ("columns", columns),
     ]
     lines += _section("Where", places)

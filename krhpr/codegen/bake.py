@@ -38,25 +38,48 @@ _PRECISE = Arithmetic(
 )
 
 
+Values = Mapping[str, Sequence[float]]
+"""Fields and what is prepared from them by name, flat: the members of one leg's C structure, in order."""
+
+
 def baked_geometry(robot: RobotCode, name: str, geometry: Mapping[str, Sequence[float]] | None = None) -> str:
     """`static const krhpr_<robot>_geometry <name> = {...};`, every field and everything prepared from
     them.
     """
-    values = robot.default_geometry if geometry is None else geometry
     members = [
-        f"    .{member} = {{\n" + ",\n".join(_leg(part, values, leg) for leg in range(LEGS)) + "\n    }"
-        for member, part in (("subleg", robot.subleg), ("platform", robot.platform))
+        f"    .{member} = {{\n" + ",\n".join(_c_leg(robot.parts[member], leg) for leg in legs) + "\n    }"
+        for member, legs in baked_values(robot, geometry).items()
     ]
     return f"static const krhpr_{robot.identifier}_geometry {name} = {{\n" + ",\n".join(members) + "\n};\n"
 
 
-def _leg(part: Part, values: Mapping[str, Sequence[float]], leg: int) -> str:
+def baked_values(
+    robot: RobotCode, geometry: Mapping[str, Sequence[float]] | None = None
+) -> dict[str, list[Values]]:
+    """For `subleg` and `platform`, the values of each leg as doubles."""
+    sizes = robot.default_geometry if geometry is None else geometry
+    return {
+        member: [_prepared(robot.parts[member], sizes, leg) for leg in range(LEGS)]
+        for member in ("subleg", "platform")
+    }
+
+
+def scalars(part: Part) -> set[str]:
+    """Names of the values that are single numbers: the fields."""
     assert part.geometry is not None
-    fields = {field.name: _DIGITS.mpf(float(values[field.name][leg])) for field in part.geometry.fields}
+    return {field.name for field in part.geometry.fields}
+
+
+def _prepared(part: Part, sizes: Mapping[str, Sequence[float]], leg: int) -> Values:
+    assert part.geometry is not None
+    fields = {field.name: _DIGITS.mpf(float(sizes[field.name][leg])) for field in part.geometry.fields}
     prepared = prepare_geometry(part.geometry, fields, _PRECISE)
-    scalars = {field.name for field in part.geometry.fields}
-    texts = []
-    for name, numbers in prepared.items():
-        digits = ", ".join(repr(float(number)) for number in numbers)
-        texts.append(f".{name} = {digits}" if name in scalars else f".{name} = {{{digits}}}")
+    return {name: [float(number) for number in numbers] for name, numbers in prepared.items()}
+
+
+def _c_leg(part: Part, values: Values) -> str:
+    single, texts = scalars(part), []
+    for name, numbers in values.items():
+        digits = ", ".join(map(repr, numbers))
+        texts.append(f".{name} = {digits}" if name in single else f".{name} = {{{digits}}}")
     return "        { " + ", ".join(texts) + " }"

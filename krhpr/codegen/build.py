@@ -80,11 +80,17 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
             "working mode": tuple((sign.name, _choice(sign)) for sign in subleg.inverse_signs),
             "assembly mode": tuple((sign.name, _choice(sign)) for sign in subleg.forward_signs),
             "actuators": tuple((joint.name, joint.doc) for joint in subleg.actuators),
+            "joint kinds": tuple(
+                (joint.name, str(joint.kind)) for joint in (*subleg.actuators, *subleg.passive_joints)
+            ),
             "passive": tuple((joint.name, joint.doc) for joint in subleg.passive_joints),
             "swivel": () if subleg.swivel is None else ((subleg.swivel.name, subleg.swivel.doc),),
             "redundant": ((platform.redundant_joint.name, platform.redundant_joint.doc),),
             "singular factors": tuple(subleg.factor_names()),
             "type II": (("margins", platform.margins_doc), ("singular set", platform.type_2_doc)),
+            "requirements": tuple(
+                (str(required), required.doc) for required in (*subleg.requirements, *platform.requirements)
+            ),
             "sections": (
                 ("sub-leg", subleg.section),
                 ("platform", platform.section),

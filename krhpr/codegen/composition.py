@@ -8,12 +8,13 @@ the same for every target; the printers only translate calls.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 
 from krhpr.codegen.graph import OperationCount
 from krhpr.codegen.kernel import LEGS, Kernel, Port
 from krhpr.codegen.passes import Part
+from krhpr.limits import Limits
 
 
 class Status(IntEnum):
@@ -251,6 +252,17 @@ class RobotCode:
     links: tuple[tuple[str, str, str, str], ...]
     redundant_link: str
     documentation: Mapping[str, tuple[tuple[str, str], ...]]
+    limits: Limits = field(default_factory=Limits)
+    """Of joints and links, out of a robot file."""
+    baked: bool = False
+    """Whether the default geometry is a constant of the code, and no argument of its functions."""
+    of: str = ""
+    """The robot of the catalogue whose kernels and functions it has, where it has a name of its own."""
+
+    @property
+    def architecture(self) -> str:
+        """The robot of the catalogue that it is, by whatever name and of whatever size."""
+        return self.of or self.identifier
 
     @property
     def parts(self) -> dict[str, Part]:

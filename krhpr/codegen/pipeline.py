@@ -10,8 +10,8 @@ Every stage can be called alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from krhpr.codegen.build import Parts, build
@@ -23,6 +23,7 @@ from krhpr.codegen.targets.c_casadi import CasadiShimTarget
 from krhpr.codegen.targets.casadi import CasadiTarget
 from krhpr.codegen.targets.python import PythonTarget
 from krhpr.derivations.catalogue import Entry, catalogue
+from krhpr.limits import Limits
 
 TARGETS: tuple[Target, ...] = (CTarget(), CasadiShimTarget(), PythonTarget(), CasadiTarget())
 
@@ -47,6 +48,39 @@ def derive(entries: Sequence[Entry] | None = None, progress: Progress = lambda s
         robots.append(build(entry, parts))
         seconds[entry.identifier] = perf_counter() - begin
     return Derived(tuple(robots), parts, seconds)
+
+
+@dataclass(frozen=True)
+class Custom:
+    """What somebody's own robot has in place of the catalogue's: its name, sizes and limits.
+
+    `baked`: the sizes become constants of the code, and no argument of its functions.
+    """
+
+    name: str
+    sizes: Mapping[str, tuple[float, float, float]]
+    limits: Limits
+    baked: bool = False
+
+
+def customised(derived: Derived, customs: Sequence[Custom | None]) -> Derived:
+    """Derived robots with names, sizes and limits of one's own; None leaves one as it is."""
+    robots, seconds = [], {}
+    for robot, custom in zip(derived.robots, customs, strict=True):
+        if custom is not None:
+            own = replace(
+                robot,
+                identifier=custom.name,
+                default_geometry={name: custom.sizes[name] for name in robot.default_geometry},
+                limits=custom.limits,
+                baked=custom.baked,
+                of=robot.identifier,
+            )
+        else:
+            own = robot
+        robots.append(own)
+        seconds[own.identifier] = derived.seconds[robot.identifier]
+    return Derived(tuple(robots), derived.parts, seconds)
 
 
 def print_all(derived: Derived, progress: Progress = lambda step: None) -> list[File]:

@@ -6,13 +6,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from krhpr import __version__
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.passes import Part
 from krhpr.codegen.targets.base import File, render
+from krhpr.robot_files.facts import facts_of_code
+from krhpr.robot_files.schema import schema_text
 from krhpr.validation.page import page
+
+SCHEMA_FILE = "robot-file.schema.json"
+"""What editors check robot files with."""
 
 
 def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Sequence[File]) -> list[File]:
@@ -24,10 +30,18 @@ def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Se
         File("python/__init__.py", render("python/targets_package.py.j2", what="NumPy modules")),
         File("casadi/__init__.py", render("python/targets_package.py.j2", what="CasADi modules")),
         File("c/CMakeLists.txt", render("c/CMakeLists.txt.j2", identifiers=identifiers, version=__version__)),
+        File(SCHEMA_FILE, schema_text([facts_of_code(robot) for robot in robots])),
         File("operations.json", _operations(robots, parts)),
         File("README.md", render("README.md.j2", rows=rows, robots=robots)),
-        File("VALIDATION.md", render("VALIDATION.md.j2", **page(robots))),
+        File("VALIDATION.md", render("VALIDATION.md.j2", **page(_catalogued(robots)))),
     ]
+
+
+def _catalogued(robots: Sequence[RobotCode]) -> list[RobotCode]:
+    """The robots of the catalogue that these are: checks are planned for those."""
+    return list(
+        {robot.architecture: replace(robot, identifier=robot.architecture) for robot in robots}.values()
+    )
 
 
 def summary(robots: Sequence[RobotCode], printed: Sequence[File]) -> list[dict[str, object]]:

@@ -6,15 +6,23 @@ the folder is a package wherever it lies.  In C each robot becomes one pair of f
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
+import krhpr.limits
 from krhpr.codegen.pipeline import Derived
+from krhpr.codegen.report import SCHEMA_FILE
 from krhpr.codegen.targets.base import File, render
 
 GENERATED_PACKAGE = "krhpr.generated"
 """What the modules call the package that they lie in, in their documentation."""
+
+_LEFT_OUT = ("README.md", SCHEMA_FILE)
+"""What is about the whole catalogue."""
+
+_LIMITS_MARK = "# Written by `krhpr generate`; do not edit.\n"
 
 _INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
 
@@ -22,7 +30,11 @@ _INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
 def standalone_files(derived: Derived, files: Sequence[File], package: str) -> list[File]:
     """What a folder called `package` holds, of the files that `print_all` made for `derived`."""
     identifiers = [robot.identifier for robot in derived.robots]
-    return sorted(_gather(files, identifiers, package), key=lambda file: file.path)
+    gathered = list(_gather(files, identifiers, package))
+    gathered.append(File("README.md", render("standalone.md.j2", robots=derived.robots, package=package)))
+    if any(robot.limits for robot in derived.robots):
+        gathered.append(File("python/limits.py", _LIMITS_MARK + inspect.getsource(krhpr.limits)))
+    return sorted(gathered, key=lambda file: file.path)
 
 
 def _gather(files: Sequence[File], identifiers: Sequence[str], package: str) -> Iterator[File]:
@@ -34,9 +46,8 @@ def _gather(files: Sequence[File], identifiers: Sequence[str], package: str) -> 
             yield File(file.path, _written_out(file.text, sources, own))
         elif path.suffix == ".py":
             yield File(file.path, file.text.replace(GENERATED_PACKAGE, package))
-        elif path.suffix != ".h" and file.path != "README.md":
+        elif path.suffix != ".h" and file.path not in _LEFT_OUT:
             yield file
-    yield File("README.md", render("standalone.md.j2", identifiers=identifiers, package=package))
 
 
 def _is_of(name: str, identifiers: Iterable[str]) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.composition import STATUS_DOC, RobotCode, Status
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.passes import Part
@@ -18,6 +19,7 @@ from krhpr.codegen.targets.c_kernels import (
     kernel_view,
     positive_fields,
 )
+from krhpr.codegen.targets.c_limits import limits_view
 
 
 class CTarget:
@@ -65,7 +67,9 @@ class CTarget:
             "default_geometry": default_rows(robot),
             "prototypes": [prototype(robot, function) for function in robot.functions],
             "legs": LEGS,
-            "geometry": f"const krhpr_{robot.identifier}_geometry *g",
+            "geometry": [] if robot.baked else [f"const krhpr_{robot.identifier}_geometry *g"],
+            "baked": baked_geometry(robot, "geometry") if robot.baked else "",
+            "limits": limits_view(robot.limits) if robot.limits else None,
             "set_geometry": [
                 f"krhpr_{robot.identifier}_geometry *g",
                 f"const double fields[{field_count(robot)}]",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.passes import Part
@@ -31,12 +32,28 @@ class CasadiTarget:
         text = render(
             "casadi/robot.py.j2",
             robot=robot,
+            prepared=_prepared(robot) if robot.baked else {},
             functions=[_function(robot, function) for function in robot.functions if not function.procedure],
             default_geometry=[
                 ", ".join(repr(robot.default_geometry[name][leg]) for name in fields) for leg in range(LEGS)
             ],
         )
         yield File(f"casadi/{robot.identifier}.py", text)
+
+
+def _prepared(robot: RobotCode) -> dict[str, list[str]]:
+    """A baked geometry as keyword arguments, for each leg."""
+    found: dict[str, list[str]] = {}
+    for member, legs in baked_values(robot).items():
+        single = scalars(robot.parts[member])
+        found[member] = [
+            ", ".join(
+                f"{name}={numbers[0] if name in single else tuple(numbers)!r}"
+                for name, numbers in leg.items()
+            )
+            for leg in legs
+        ]
+    return found
 
 
 def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
@@ -70,7 +87,8 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
 def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
     leg = call.stage is Stage.LEG
-    arguments = [f"{call.part}.prepare(fields)"] if kernel.geometry is not None else []
+    prepared = f'_PREPARED["{call.part}"][i]' if robot.baked else f"{call.part}.prepare(fields)"
+    arguments = [prepared] if kernel.geometry is not None else []
     for port in kernel.inputs:
         variable = known[call.variable_in(port.name)]
         if variable.kind == "input":

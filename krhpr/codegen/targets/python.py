@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import (
     LEG_STATUSES,
     STATUS_DOC,
@@ -25,6 +26,7 @@ from krhpr.codegen.passes import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
 from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
+from krhpr.codegen.targets.python_limits import python_limits
 
 
 class PythonTarget:
@@ -48,11 +50,34 @@ class PythonTarget:
             "python/robot.py.j2",
             robot=robot,
             functions=functions,
-            exported=sorted(["DEFAULT_GEOMETRY", "Geometry", "Status", *(f["name"] for f in functions)]),
+            exported=sorted([*_constants(robot), "Geometry", "Status", *(f["name"] for f in functions)]),
+            prepared=_prepared(robot) if robot.baked else {},
+            limits=python_limits(robot.limits) if robot.limits else "",
             default_mode=default_mode,
             default_assembly=default_assembly,
         )
         yield File(f"python/{robot.identifier}.py", text)
+
+
+def _constants(robot: RobotCode) -> list[str]:
+    """Names of the module's constants that users read."""
+    return ["GEOMETRY" if robot.baked else "DEFAULT_GEOMETRY", *(["LIMITS"] if robot.limits else [])]
+
+
+def _prepared(robot: RobotCode) -> dict[str, list[tuple[str, str]]]:
+    """A baked geometry as literals: for each value, or component of a vector, those of the three legs."""
+    found = {}
+    for member, legs in baked_values(robot).items():
+        single = scalars(robot.parts[member])
+        rows = []
+        for name in legs[0]:
+            components = [repr(values) for values in zip(*(leg[name] for leg in legs), strict=True)]
+            text = (
+                components[0] if name in single else "(" + "".join(f"{text}, " for text in components) + ")"
+            )
+            rows.append((name, text))
+        found[member] = rows
+    return found
 
 
 def label_of(signs: tuple[float, ...], all_signs: Iterable[tuple[int, ...]], labels: Iterable[str]) -> str:

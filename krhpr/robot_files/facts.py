@@ -1,0 +1,137 @@
+"""What a robot file may say about each robot: its fields, joints and links, out of the robot's own code.
+
+The same facts come from a generated module (for reading a file; NumPy alone is needed) and from derived code
+(for the JSON schema, which must not depend on what is already generated).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from krhpr.robot_files.quantities import Kind
+
+if TYPE_CHECKING:
+    from krhpr.codegen.composition import RobotCode
+
+Legs = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A length or angle of a leg, with the catalogue's values."""
+
+    name: str
+    kind: Kind
+    doc: str
+    positive: bool
+    default: Legs
+
+
+@dataclass(frozen=True)
+class JointFact:
+    """A joint whose coordinate can be limited."""
+
+    name: str
+    kind: Kind
+    doc: str
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A robot of the catalogue as robot files know it."""
+
+    identifier: str
+    notation: str
+    title: str
+    fields: tuple[Field, ...]
+    actuators: tuple[JointFact, ...]
+    passive: tuple[JointFact, ...]
+    spherical: JointFact | None
+    links: tuple[str, ...]
+    requirements: tuple[str, ...]
+
+    @property
+    def space(self) -> str:
+        """`spatial` or `planar`."""
+        return choice(self.identifier)[0]
+
+    @property
+    def subleg(self) -> str:
+        """The sub-leg's name."""
+        return choice(self.identifier)[1]
+
+    @property
+    def arrangement(self) -> str:
+        """The platform arrangement."""
+        return choice(self.identifier)[2]
+
+
+def choice(identifier: str) -> tuple[str, str, str]:
+    """Space, sub-leg and arrangement of `<space>_<sub-leg>_<arrangement>`."""
+    space, _, rest = identifier.partition("_")
+    subleg, _, arrangement = rest.rpartition("_")
+    return space, subleg, arrangement
+
+
+def facts_of_module(module: Any) -> Facts:
+    """The facts of a generated NumPy module."""
+    geometry = module.DEFAULT_GEOMETRY
+    return _facts(
+        (module.IDENTIFIER, module.NOTATION, module.TITLE),
+        module.DOCUMENTATION,
+        {name: tuple(map(float, values)) for name, values in geometry.fields.items()},
+        geometry.positive,
+        module.SIGNATURES["passive_joints"].outputs,
+        [link[0] for link in module.LINKS],
+        module.REDUNDANT_LINK,
+    )
+
+
+def facts_of_code(robot: RobotCode) -> Facts:
+    """The facts of derived code."""
+    types = [part.geometry for part in (robot.subleg, robot.platform) if part.geometry is not None]
+    return _facts(
+        (robot.identifier, robot.notation, robot.title),
+        robot.documentation,
+        robot.default_geometry,
+        [field.name for geometry in types for field in geometry.fields if field.positive],
+        robot.function("passive_joints").outputs,
+        [link[0] for link in robot.links],
+        robot.redundant_link,
+    )
+
+
+def _facts(
+    title: tuple[str, str, str],
+    about: Mapping[str, tuple[tuple[str, str], ...]],
+    defaults: Mapping[str, Any],
+    positive: Iterable[str],
+    passive: Sequence[Any],
+    links: Sequence[str],
+    redundant_link: str,
+) -> Facts:
+    kinds = {name: Kind.ANGLE if kind == "revolute" else Kind.LENGTH for name, kind in about["joint kinds"]}
+    units, known = dict(about["units"]), {str(kind): kind for kind in Kind}
+    limited, spherical = [JointFact(name, kinds[name], doc) for name, doc in about["passive"]], None
+    for port in passive:
+        if port.name == "passive":
+            continue
+        joint = JointFact(port.name, known[str(port.unit)], port.doc)
+        if joint.kind is Kind.NUMBER:  # a rotation
+            spherical = joint
+        else:
+            limited.append(joint)
+    return Facts(
+        *title,
+        fields=tuple(
+            Field(name, known[units[name]], doc, name in set(positive), defaults[name])
+            for name, doc in about["geometry"]
+        ),
+        actuators=tuple(JointFact(name, kinds[name], doc) for name, doc in about["actuators"]),
+        passive=tuple(limited),
+        spherical=spherical,
+        links=tuple(dict.fromkeys([*links, *([redundant_link] if redundant_link else [])])),
+        requirements=tuple(name for name, _ in about["requirements"]),
+    )
