@@ -295,7 +295,7 @@ class _Functions:
             "inverse_status",
             "Which leg cannot reach its end point, and by how much.",
             "1.5",
-            (*self.pose, self.plate.redundant, *self.leg.mode_choice),
+            (*self.pose, self.plate.redundant, *self.leg.mode_choice, *self._swivel_input()),
             (excess,),
             (self._on_leg("platform", "end_point"), self._on_leg("subleg", "reach")),
             (Guard("excess", 0, Relation.AT_MOST, 0.0, Status.UNREACHABLE_LEG_1),),

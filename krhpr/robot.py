@@ -290,10 +290,12 @@ class Robot:
         redundant: ArrayLike,
         *,
         mode: Branch | None = None,
+        swivel: ArrayLike | None = None,
         **options: Unpack[Options],
     ) -> Any:
         """(status (...), excess (..., 3)): which leg cannot reach its end point, and by what distance."""
-        inputs = (p, Q, redundant, *self._mode_input("inverse_status", mode))
+        name = "inverse_status"
+        inputs = (p, Q, redundant, *self._mode_input(name, mode), *self._swivels(name, swivel))
         excess, status = self._answer("inverse_status", inputs, {**options, "status": True})
         return status, excess
 
@@ -540,7 +542,8 @@ class Robot:
         if "inverse_status" not in self.functions:
             return float("nan")
         signs = [by_name["mode"]] if "mode" in by_name else self._mode_input("inverse_status", None)
-        inputs = (picked[0], picked[1], by_name["redundant"], *signs)
+        swivels = self._swivels("inverse_status", by_name.get("swivel"))
+        inputs = (picked[0], picked[1], by_name["redundant"], *signs, *swivels)
         excess, _ = self._backend.call("inverse_status", inputs, None)
         return float(np.asarray(excess)[leg - 1])
 

@@ -87,10 +87,13 @@ class SlidePlatform(Platform):
         return carried + rate * self._along(k, pose)
 
     def joint(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
+        # along the link from S_i to its slider, or along the slide where S_i is the slider
+        along, normal = self._along(k, pose), self.direction(k, pose, s)
         if self.space is Space.PLANAR:
-            return self._along(k, pose)
-        across = self.handedness * self.direction(k, pose, s)
-        return sp.Matrix.hstack(self._along(k, pose), across, pose.Q.col(2))
+            return normal if self.redundant_link else along
+        if self.redundant_link:
+            return sp.Matrix.hstack(normal, -self.handedness * along, pose.Q.col(2))
+        return sp.Matrix.hstack(along, self.handedness * normal, pose.Q.col(2))
 
     def attachment(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> sp.Matrix:
         return s + k.g.l_r * self.direction(k, pose, s) if self.redundant_link else s

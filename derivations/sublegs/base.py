@@ -136,9 +136,9 @@ class SubLeg(ABC):
         """
         raise NotImplementedError(f"{self.name} has no inverse kinematics in closed form")
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
-        """By how much s_i lies outside the leg's reach in the branch `mode` (a length; zero or negative
-        within).  Left out where every point is within reach.
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
+        """By how much s_i lies outside the leg's reach in the branch `mode` (at `swivel`): a length, zero or
+        negative within.  Left out where every point is within reach.
         """
         return sp.Integer(0)
 

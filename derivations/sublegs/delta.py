@@ -122,7 +122,7 @@ class Delta(ChainSubLeg):
             radicands.append(radicand)
         return angles, radicands
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         excess = [k.absolute(wanted) - sp.sqrt(planar) for _, _, planar, wanted in self._arms(k, s)]
         return k.maximum(*excess)
 

@@ -145,8 +145,9 @@ class SubLegKernels:
             self.geometry,
         )
         s, mode = k.add_input(self.ports.s), self._choice(k, self.ports.mode_choice)
-        k.output("excess", self.leg.reach(k, s, mode), Unit.METRE, doc="positive out of reach")
-        return k.kernel(prune=("s", "mode"))
+        swivel = k.add_input(self.ports.swivel) if self.leg.redundant else None
+        k.output("excess", self.leg.reach(k, s, mode, swivel), Unit.METRE, doc="positive out of reach")
+        return k.kernel(prune=("s", "mode", "swivel"))
 
     def _jacobian(self) -> Kernel:
         k = KernelWriter(

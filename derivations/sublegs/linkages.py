@@ -124,7 +124,7 @@ class CarriedLinkage(SubLeg):
         rest, radicands = self.linkage.inverse(k, d, signs)
         return [first, *rest], radicands
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         _, d, signs = self._in_plane(k, s, mode)
         return self.linkage.reach(k, d, signs)
 
@@ -202,7 +202,7 @@ class PlanarLinkage(SubLeg):
     ) -> tuple[list[Any], list[Any]]:
         return self.linkage.inverse(k, k.let("d", s - k.g.o, "r - o"), list(mode))
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         return self.linkage.reach(k, k.let("d", s - k.g.o, "r - o"), list(mode))
 
     def posture_ports(self) -> tuple[Port, ...]:

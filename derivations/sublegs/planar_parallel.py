@@ -160,7 +160,7 @@ class PRR2(PlanarPair):
             radicands.append(radicand)
         return joints, radicands
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         return k.maximum(*(k.absolute(cross2(e, s - base)) - length for base, e, length in self._slides(k)))
 
     def passive_angles(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:

@@ -15,7 +15,7 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward, Passive, Posture, SubLeg, VelocityEquations
 from krhpr.derivations.sublegs.carriers import in_plane
 from krhpr.derivations.sublegs.linkages import planar_geometry
-from krhpr.derivations.sublegs.two_link import ELBOW, distance, two_link
+from krhpr.derivations.sublegs.two_link import ELBOW, distance, outside, two_link
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import E, cross2
 
@@ -61,7 +61,7 @@ class PlanarRRR(SubLeg):
         self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
     ) -> tuple[list[Any], list[Any]]:
         last = k.let("dir", in_plane(swivel), "direction of the last link")
-        w = k.let("w", s - k.g.o - k.g.l_3 * last, "wrist - o")
+        w = self._wrist(k, s, last)
         arm = two_link(k, w[0], w[1], k.g.l_1, k.g.l_2, mode[0])
         # the last joint by the directions of the second link, which leads from the elbow to the wrist, and
         # the last
@@ -69,12 +69,12 @@ class PlanarRRR(SubLeg):
         theta_3 = k.atan2(cross2(second, last), second[0] * last[0] + second[1] * last[1])
         return [arm.inner, arm.elbow, theta_3], [arm.radicand]
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
-        # out of reach whatever the swivel: further than all links, or nearer than the longest leaves
-        a, b, c = k.g.l_1, k.g.l_2, k.g.l_3
-        longest = k.maximum(a, b, c)
-        far = k.let("distance", distance(k, k.let("d", s - k.g.o, "r - o")))
-        return k.maximum(far - (a + b + c), 2 * longest - (a + b + c) - far)
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
+        return outside(k, distance(k, self._wrist(k, s, in_plane(swivel))), k.g.l_1, k.g.l_2)
+
+    def _wrist(self, k: KernelWriter, s: sp.Matrix, last: sp.Matrix) -> sp.Matrix:
+        """Where the last link begins, from o."""
+        return k.let("w", s - k.g.o - k.g.l_3 * last, "wrist - o")
 
     def posture_ports(self) -> tuple[Port, ...]:
         vectors = (("d", "r - o"), ("u_2", "second link"), ("u_3", "last link"))

@@ -61,7 +61,7 @@ class PR(SubLeg):
         u = along * k.g.e_1 + across * (E * k.g.e_1)
         return [dot(d, k.g.e_1) - along, k.atan2(u[1], u[0])], [radicand]
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         return k.absolute(cross2(k.g.e_1, s - k.g.o)) - k.g.l_1
 
     def posture_ports(self) -> tuple[Port, ...]:
@@ -125,7 +125,7 @@ class RP(SubLeg):
         # d is (rho, h) turned by theta
         return [k.atan2(rho * d[1] - k.g.h * d[0], rho * d[0] + k.g.h * d[1]), rho], [radicand]
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         d = k.let("d", s - k.g.o, "r - o")
         return k.absolute(k.g.h) - sp.sqrt(dot(d, d))
 

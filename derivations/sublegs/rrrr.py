@@ -119,7 +119,7 @@ class RRRR(SubLeg):
         theta_4 = k.atan2(elbow * root, d2 - a**2 - b**2)
         return [theta_1, theta_2, theta_3, theta_4], [radicand]
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         return outside(k, distance(k, k.let("arm", s - k.g.c, "s - c")), k.g.l_2, k.g.l_3)
 
     # -- posture and velocity -------------------------------------------------------------------------------

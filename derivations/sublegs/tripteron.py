@@ -87,7 +87,7 @@ class Tripteron(SubLeg):
         a, b = k.g.l_2, k.g.l_3
         return [((a + b) ** 2 - d2) * (d2 - (a - b) ** 2) for d2 in self._squares(rho)]
 
-    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix) -> Any:
+    def reach(self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any) -> Any:
         rho = self._rho(k, s)
         excess = [
             outside(k, k.let(f"distance_{n}", sp.sqrt(d2)), k.g.l_2, k.g.l_3)

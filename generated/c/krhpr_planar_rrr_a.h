@@ -245,12 +245,14 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_near_batch(
  *   in     redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
  *          clockwise from +z'
  *   in     mode (3 x 1): signs of the working mode, +1 or -1 [elbow]; NULL for the default
+ *   in     swivel (3, rad, joint frame): direction of the last link, from the x axis of the base; NULL for
+ *          the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
 KRHPR_API int krhpr_planar_rrr_a_inverse_status(
     const krhpr_planar_rrr_a_geometry *g, const double p[2], double phi, const double redundant[3],
-    const double mode[3], double *KRHPR_RESTRICT excess);
-/* Batch: in = p (2), phi (1), redundant (3), mode (3); out = excess (3); steps count doubles (status: ints)
+    const double mode[3], const double swivel[3], double *KRHPR_RESTRICT excess);
+/* Batch: in = p (2), phi (1), redundant (3), mode (3), swivel (3); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_planar_rrr_a_inverse_status_batch(
     const krhpr_planar_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],

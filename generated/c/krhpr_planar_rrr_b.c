@@ -618,27 +618,34 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all_batch(
 
 KRHPR_API int krhpr_planar_rrr_b_inverse_status(
     const krhpr_planar_rrr_b_geometry *g, const double p[2], double phi, const double redundant[3],
-    const double mode[3], double *KRHPR_RESTRICT excess)
+    const double mode[3], const double swivel[3], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
     double Q[4];
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
+    if (swivel == NULL) {
+        swivel = swivel_default;
+    }
+    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
+          krhpr_taint(swivel, 3) == 0.0)) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(1)] = {0.0};
-    double sine[KRHPR_PADDED(1)];
-    double cosine[KRHPR_PADDED(1)];
+    double angle[KRHPR_PADDED(4)] = {0.0};
+    double sine[KRHPR_PADDED(4)];
+    double cosine[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    krhpr_sincos_array(1, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rrr_reach_angles(swivel[i], angle + 1 + 1 * i);
+    }
+    krhpr_sincos_array(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
         krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rrr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_subleg_planar_rrr_reach(&g->subleg[i], s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -656,7 +663,8 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_status_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_b_inverse_status(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -186,15 +186,17 @@ static inline void krhpr_platform_planar_b_row_bias(
     bias[0] = s_dot[0] * t1 + s_dot[1] * t2 - twist[0] * t1 - twist[1] * t2 - twist[2] * t3;
 }
 
-/* Orientation of the redundant link and the joint that ties it to the platform.  (7 add, 6 multiply) */
+/* Orientation of the redundant link and the joint that ties it to the platform.  (9 add, 10 multiply) */
 static inline void krhpr_platform_planar_b_joint(
     const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
     double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1];
+    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
     const double Qt_1 = g->t[0] * Q[2] + g->t[1] * Q[3];
-    redundant_link[0] = Qt_0;
-    redundant_link[1] = Qt_1;
+    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
+    redundant_link[0] = Qn_0;
+    redundant_link[1] = Qn_1;
     *platform_joint = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) - g->k[0] - g->k[1];
 }
 

@@ -259,15 +259,18 @@ static inline void krhpr_platform_spatial_b_joint(
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
     const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
+    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
+    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
     const double platform_joint_a = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]) - g->k[0] - g->k[1];
-    redundant_link[0] = Qt_0;
-    redundant_link[1] = g->t[0] * Q[1] - g->t[1] * Q[0];
+    redundant_link[0] = Qn_0;
+    redundant_link[1] = Qt_0;
     redundant_link[2] = Q[2];
-    redundant_link[3] = Qt_1;
-    redundant_link[4] = g->t[0] * Q[4] - g->t[1] * Q[3];
+    redundant_link[3] = Qn_1;
+    redundant_link[4] = Qt_1;
     redundant_link[5] = Q[5];
-    redundant_link[6] = Qt_2;
-    redundant_link[7] = g->t[0] * Q[7] - g->t[1] * Q[6];
+    redundant_link[6] = Qn_2;
+    redundant_link[7] = Qt_2;
     redundant_link[8] = Q[8];
     *platform_joint = platform_joint_a;
 }

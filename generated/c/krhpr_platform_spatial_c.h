@@ -243,12 +243,12 @@ static inline void krhpr_platform_spatial_c_joint(
     const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
     double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
-    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
     const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
     const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
     const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
+    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
     redundant_link[0] = Qt_0;
     redundant_link[1] = Qn_0;
     redundant_link[2] = Q[2];

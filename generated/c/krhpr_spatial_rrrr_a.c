@@ -670,13 +670,17 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all_batch(
 
 KRHPR_API int krhpr_spatial_rrrr_a_inverse_status(
     const krhpr_spatial_rrrr_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
-    const double mode[6], double *KRHPR_RESTRICT excess)
+    const double mode[6], const double swivel[3], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
+    if (swivel == NULL) {
+        swivel = swivel_default;
+    }
+    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
+          krhpr_taint(swivel, 3) == 0.0)) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -709,7 +713,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_status_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -270,12 +270,14 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_batch(
  *   in     Q (3 x 3, base frame): orientation, base from platform
  *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
  *   in     mode (3 x 2): signs of the working mode, +1 or -1 [shoulder, elbow]; NULL for the default
+ *   in     swivel (3, rad, joint frame): angle of the elbow about the line from c to S_i, zero where it is
+ *          farthest along e_1; NULL for the default
  *   out    excess (3, m): distance by which the end point is out of reach
  */
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_status(
     const krhpr_spatial_rrrr_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
-    const double mode[6], double *KRHPR_RESTRICT excess);
-/* Batch: in = p (3), Q (9), redundant (3), mode (6); out = excess (3); steps count doubles (status: ints)
+    const double mode[6], const double swivel[3], double *KRHPR_RESTRICT excess);
+/* Batch: in = p (3), Q (9), redundant (3), mode (6), swivel (3); out = excess (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_batch(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, const double *const in[],

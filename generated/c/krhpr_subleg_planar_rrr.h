@@ -23,8 +23,8 @@ typedef struct {
 } krhpr_subleg_planar_rrr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 8 multiply, 2 divide, 1 sine
- * cosine, 2 select) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
+ * cosine, 1 select) */
 static inline void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geometry *g)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
@@ -36,7 +36,7 @@ static inline void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geome
     g->k[1] = t2 * t2;
     g->k[2] = g->l_1 * g->l_1;
     g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = krhpr_max(krhpr_max(g->l_1, g->l_2), g->l_3) * 2.0;
+    g->k[4] = fabs(t1);
     g->k[5] = 1.0 / (g->l_1 * g->l_2);
     g->k[6] = 1.0 / g->l_3;
 }
@@ -180,16 +180,22 @@ static inline void krhpr_subleg_planar_rrr_inverse_all(
     tail_x[5] = cosine[0] * u_2_0_a + sine[0] * u_2_1_a;
 }
 
-/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (10 add, 2 multiply, 1 square
+/* Angles whose sines and cosines `reach` reads.  (no operations) */
+static inline void krhpr_subleg_planar_rrr_reach_angles(double swivel, double *KRHPR_RESTRICT angle)
+{
+    angle[0] = swivel;
+}
+
+/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 4 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_planar_rrr_reach(
-    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], const double sine[1],
+    const double cosine[1], double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double distance = sqrt(d_0 * d_0 + d_1 * d_1);
-    const double excess_a = krhpr_max(distance - g->l_1 - g->l_2 - g->l_3, g->k[4] - distance - g->l_1 - g->l_2 - g->l_3);
-    *excess = excess_a;
+    const double w_0 = s[0] - g->o[0] - g->l_3 * cosine[0]; /* wrist - o */
+    const double w_1 = s[1] - g->o[1] - g->l_3 * sine[0];
+    const double distance = sqrt(w_0 * w_0 + w_1 * w_1);
+    *excess = krhpr_max(distance - g->l_1 - g->l_2, g->k[4] - distance);
 }
 
 /* Angles whose sines and cosines `posture` reads.  (1 add) */

@@ -304,6 +304,7 @@ def inverse_status(geometry: Any) -> Any:
             rt.Port("phi", (), "shared"),
             rt.Port("redundant", (3,), "stacked"),
             rt.Port("mode", (3, 1), "stacked"),
+            rt.Port("swivel", (3,), "stacked"),
         ),
         (
             rt.Port("excess", (3,), "stacked"),
@@ -315,7 +316,7 @@ def inverse_status(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_i = platform.end_point(platform.prepare(fields), call.leg("p", i), Q, call.leg("redundant", i))
-        excess_i = subleg.reach(subleg.prepare(fields), s_i)
+        excess_i = subleg.reach(subleg.prepare(fields), s_i, call.leg("swivel", i))
         excess += excess_i
     return call.function({"excess": excess})
 

@@ -233,17 +233,19 @@ def row_bias(g: Any, p: Any, Q: Any, s: Any, twist: Any, s_dot: Any) -> tuple[An
 
 
 def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
-    """Orientation of the redundant link and the joint that ties it to the platform.  (7 add, 6
+    """Orientation of the redundant link and the joint that ties it to the platform.  (9 add, 10
     multiply)"""
     p_0, p_1 = p
     Q_00, Q_01, Q_10, Q_11 = Q
     s_0, s_1 = s
-    Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01
+    Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01  # Q t_i
     Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
+    Qn_0 = g.t[0] * Q_01 - g.t[1] * Q_00  # Q n_i
+    Qn_1 = g.t[0] * Q_11 - g.t[1] * Q_10
     return (
         (  # redundant_link
-            Qt_0,
-            Qt_1,
+            Qn_0,
+            Qn_1,
         ),
         (  # platform_joint
             Qt_0 * (s_0 - p_0) + Qt_1 * (s_1 - p_1) - g.k[0] - g.k[1],

@@ -324,6 +324,7 @@ def inverse_status(geometry: Any) -> Any:
             rt.Port("Q", (3, 3), "shared"),
             rt.Port("redundant", (3,), "stacked"),
             rt.Port("mode", (3, 2), "stacked"),
+            rt.Port("swivel", (3,), "stacked"),
         ),
         (
             rt.Port("excess", (3,), "stacked"),

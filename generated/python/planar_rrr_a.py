@@ -326,11 +326,12 @@ SIGNATURES = {
             rt.Port("phi", (), "rad", "base", "orientation of the platform, base from platform", "shared", ()),
             rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "stacked", ()),
             rt.Port("mode", (3, 1), "1", "-", "signs of the working mode, +1 or -1", "stacked", ("elbow", )),
+            rt.Port("swivel", (3,), "rad", "joint", "direction of the last link, from the x axis of the base", "stacked", ()),
         ),
         (
             rt.Port("excess", (3,), "m", "-", "distance by which the end point is out of reach", "stacked", ()),
         ),
-        "(2),(),(3),(3,1)->(3),()",
+        "(2),(),(3),(3,1),(3)->(3),()",
     ),
     "twist": rt.Signature(
         "twist",
@@ -928,8 +929,8 @@ def inverse_near(
 
 
 def inverse_status(
-    p: Any, phi: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
-    status: bool = False) -> Any:
+    p: Any, phi: Any, redundant: Any, mode: Any = None, swivel: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Which leg cannot reach its end point, and by how much.
 
     Thesis: 1.5.
@@ -940,6 +941,8 @@ def inverse_status(
         redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
             clockwise from +z'
         mode (..., 3, 1): signs of the working mode, +1 or -1 [elbow], the default unless given
+        swivel (..., 3) [rad]: direction of the last link, from the x axis of the base, the
+            default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -948,12 +951,14 @@ def inverse_status(
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
-    arguments = rt.Arguments(SIGNATURES["inverse_status"], (p, phi, redundant, mode,))
+    if swivel is None:
+        swivel = (0.0,) * 3
+    arguments = rt.Arguments(SIGNATURES["inverse_status"], (p, phi, redundant, mode, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         Q = algebra.rotation(arguments.whole("phi"))
         s = platform.end_point(g.platform, arguments.leg("p"), Q, arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s)
+        excess = subleg.reach(g.subleg, s, arguments.leg("swivel"))
         results = arguments.finish(
             {
                 "excess": excess,

@@ -301,19 +301,22 @@ def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     p_0, p_1, p_2 = p
     Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
     s_0, s_1, s_2 = s
-    Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01
+    Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01  # Q t_i
     Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
     Qt_2 = g.t[0] * Q_20 + g.t[1] * Q_21
+    Qn_0 = g.t[1] * Q_00 - g.t[0] * Q_01  # Q n_i
+    Qn_1 = g.t[1] * Q_10 - g.t[0] * Q_11
+    Qn_2 = g.t[1] * Q_20 - g.t[0] * Q_21
     return (
         (  # redundant_link
+            Qn_0,
             Qt_0,
-            g.t[0] * Q_01 - g.t[1] * Q_00,
             Q_02,
+            Qn_1,
             Qt_1,
-            g.t[0] * Q_11 - g.t[1] * Q_10,
             Q_12,
+            Qn_2,
             Qt_2,
-            g.t[0] * Q_21 - g.t[1] * Q_20,
             Q_22,
         ),
         (  # platform_joint

@@ -350,11 +350,12 @@ SIGNATURES = {
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "stacked", ()),
             rt.Port("mode", (3, 2), "1", "-", "signs of the working mode, +1 or -1", "stacked", ("shoulder", "elbow", )),
+            rt.Port("swivel", (3,), "rad", "joint", "angle of the elbow about the line from c to S_i, zero where it is farthest along e_1", "stacked", ()),
         ),
         (
             rt.Port("excess", (3,), "m", "-", "distance by which the end point is out of reach", "stacked", ()),
         ),
-        "(3),(3,3),(3),(3,2)->(3),()",
+        "(3),(3,3),(3),(3,2),(3)->(3),()",
     ),
     "twist": rt.Signature(
         "twist",
@@ -967,8 +968,8 @@ def inverse_near(
 
 
 def inverse_status(
-    p: Any, Q: Any, redundant: Any, mode: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
-    status: bool = False) -> Any:
+    p: Any, Q: Any, redundant: Any, mode: Any = None, swivel: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Which leg cannot reach its end point, and by how much.
 
     Thesis: 1.5.
@@ -979,6 +980,8 @@ def inverse_status(
         redundant (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed
         mode (..., 3, 2): signs of the working mode, +1 or -1 [shoulder, elbow], the default
             unless given
+        swivel (..., 3) [rad]: angle of the elbow about the line from c to S_i, zero where it is
+            farthest along e_1, the default unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -987,7 +990,9 @@ def inverse_status(
     """
     if mode is None:
         mode = (MODES[DEFAULT_MODE],) * 3
-    arguments = rt.Arguments(SIGNATURES["inverse_status"], (p, Q, redundant, mode,))
+    if swivel is None:
+        swivel = (0.0,) * 3
+    arguments = rt.Arguments(SIGNATURES["inverse_status"], (p, Q, redundant, mode, swivel,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))

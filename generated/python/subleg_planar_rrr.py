@@ -35,7 +35,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_2=fields["l_2"],
         l_3=fields["l_3"],
         o=(R_b * e_r_0, R_b * e_r_1,),
-        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, np.fmax(np.fmax(l_1, l_2), l_3) * 2, 1 / (l_1 * l_2), 1 / l_3,),
+        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, np.abs(t1), 1 / (l_1 * l_2), 1 / l_3,),
     )
 
 
@@ -167,16 +167,16 @@ def inverse_all(g: Any, s: Any, swivel: Any) -> tuple[Any, ...]:
     )
 
 
-def reach(g: Any, s: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the RRR sub-leg.  (10 add, 2 multiply,
-    1 square root, 1 select)"""
+def reach(g: Any, s: Any, swivel: Any) -> tuple[Any, ...]:
+    """Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 4 multiply,
+    1 square root, 1 sine cosine, 1 select)"""
     s_0, s_1 = s
-    d_0 = s_0 - g.o[0]  # r - o
-    d_1 = s_1 - g.o[1]
-    distance = np.sqrt(d_0 * d_0 + d_1 * d_1)
-    excess_a = np.fmax(distance - g.l_1 - g.l_2 - g.l_3, g.k[4] - distance - g.l_1 - g.l_2 - g.l_3)
+    swivel, = swivel
+    w_0 = s_0 - g.o[0] - g.l_3 * np.cos(swivel)  # wrist - o
+    w_1 = s_1 - g.o[1] - g.l_3 * np.sin(swivel)
+    distance = np.sqrt(w_0 * w_0 + w_1 * w_1)
     return (
-        excess_a,
+        np.fmax(distance - g.l_1 - g.l_2, g.k[4] - distance),
     )
 
 

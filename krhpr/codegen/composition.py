@@ -270,6 +270,11 @@ class RobotCode:
         return {"subleg": self.subleg, "platform": self.platform, "algebra": self.algebra}
 
     @property
+    def always_reachable(self) -> bool:
+        """Whether the sub-legs reach every point: their kernel `reach` then reads nothing."""
+        return not any(kernel.inputs for kernel in self.subleg.kernels if kernel.name == "reach")
+
+    @property
     def has_swivel(self) -> bool:
         """Whether its sub-legs are redundant."""
         return any(port.name == "swivel" for function in self.functions for port in function.inputs)

@@ -69,6 +69,8 @@ def configuration(subject: Subject, source: Draw) -> Configuration:
         "twist_rate": freedom,
         "redundant_rates": LEGS,
         "redundant_accelerations": LEGS,
+        "swivel_rates": LEGS,
+        "swivel_accelerations": LEGS,
         "theta_dot": LEGS * n,
         "theta_ddot": LEGS * n,
     }
@@ -102,7 +104,7 @@ def _in_balls(subject: Subject, source: Draw) -> Configuration:
     geometry = {name: [Ball(x) for x in numbers] for name, numbers in batch.geometry.items()}
     values: dict[str, list[Any]] = {
         name: [Ball(x) for x in batch.values[name][0].ravel().tolist()]
-        for name in (*batch.pose, "redundant", "mode")
+        for name in (*batch.pose, "redundant", "mode", "swivel", "s_near")
     }
     if subject.planar:
         phi = values["phi"][0]

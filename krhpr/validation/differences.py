@@ -95,6 +95,8 @@ def along(one: Numeric, batch: Batch, time: float) -> dict[str, Floats]:
     redundant = v["redundant"] + v["redundant_rates"] * time + 0.5 * v["redundant_accelerations"] * time**2
     here |= {
         "redundant": redundant,
+        "swivel": v["swivel"] + v["swivel_rates"] * time + 0.5 * v["swivel_accelerations"] * time**2,
+        "swivel_rates": v["swivel_rates"] + v["swivel_accelerations"] * time,
         "twist": v["twist"] + v["twist_rate"] * time,
         "redundant_rates": v["redundant_rates"] + v["redundant_accelerations"] * time,
     }

@@ -13,6 +13,7 @@ from krhpr.validation.check import Check
 from krhpr.validation.differences import arc
 from krhpr.validation.numeric import Floats, Numeric, target
 from krhpr.validation.outcome import Measured
+from krhpr.validation.rules.known import FIRST_PRINCIPLES
 from krhpr.validation.sampling import Batch, draw, rotations
 from krhpr.validation.subject import Subject
 
@@ -30,12 +31,28 @@ def nearest_modes(subject: Subject, check: Check, count: int) -> Measured:
         modes = list(range(len(subject.code.mode_signs)))
         crossings += _follow(one, path, modes, found)
         found.samples += 1
+        _turns(one, path, modes, found, np.random.default_rng(check.seed + index))
         for mode in modes if subject.planar else ():
             # a joint that is measured from the base's x axis is brought to the cut by turning the robot
             turn = float(np.pi - _inverse(one, path, [mode])[0, 0, 0, 0])
             crossings += _follow(one, _turned(path, turn), [mode], found)
-    found.worse(0.0 if crossings else 1.0, "no path crosses +-pi")
+    # joints of a slide's linkage may be far from the cut everywhere; those of a first axis, or of the plane,
+    # are not
+    if subject.code.subleg.name in FIRST_PRINCIPLES:
+        found.worse(0.0 if crossings else 1.0, "no path crosses +-pi")
     return found
+
+
+def _turns(one: Numeric, path: Batch, modes: list[int], found: Measured, rng: np.random.Generator) -> None:
+    """Near joints that are full turns away, the same joints come out, that many turns away."""
+    code = one.subject.code
+    plain = _inverse(one, path, modes)[:, :1]
+    wanted = plain + 2 * np.pi * rng.integers(-3, 4, plain.shape) * np.array(code.angular)
+    values: dict[str, Any] = {name: array[:1] for name, array in path.values.items()}
+    values["theta_near"] = wanted
+    function = code.function("inverse_near")
+    got = one.call("inverse_near", {port.name: values[port.name] for port in function.inputs}, path.geometry)
+    found.worse(np.abs(got["theta"] - wanted), "full turns")
 
 
 def _closed_path(batch: Batch, rng: np.random.Generator) -> Batch:
@@ -44,7 +61,7 @@ def _closed_path(batch: Batch, rng: np.random.Generator) -> Batch:
     v = batch.values
     p = v["p"] + 0.05 * np.hstack([np.sin((k + 1) * time) for k in range(v["p"].shape[-1])])
     swing = np.sin(time) * rng.uniform(-0.3, 0.3, (1, LEGS))
-    values: dict[str, Floats] = {"p": p}
+    values: dict[str, Floats] = {"p": p, "swivel": np.broadcast_to(v["swivel"], (STEPS, LEGS))}
     if batch.subject.planar:
         values["phi"] = v["phi"] + 0.3 * np.sin(time[:, 0])
     else:

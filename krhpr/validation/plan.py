@@ -103,7 +103,8 @@ def _proofs(robot: RobotCode) -> Iterator[Check]:
         ("platform", robot.platform, PLATFORM_PROOFS),
     ):
         for proof in proofs:
-            if proof.only is None or part.name in proof.only:
+            known = {kernel.name for kernel in part.kernels}
+            if (proof.only is None or part.name in proof.only) and {proof.kernel, *proof.also} <= known:
                 yield _proof(
                     robot, proof, f"{key}.{proof.kernel}", tuple(f"{key}.{k}" for k in proof.also), part.name
                 )

@@ -110,7 +110,11 @@ def robots(one: Numeric, found: Measured) -> int:
         case.pose(entry["p"], entry["phi"] if subject.planar else entry["Q"])
         case.compare(case.call("end_points")["s"], entry["s"], "s")
         case.compare(case.call("redundant_coordinates")["redundant"], entry["redundant"], "redundant")
-        _same_solutions(case, case.call("subleg_inverse")["theta"], entry["inverse"])
+        case.values["swivel"] = np.zeros((1, LEGS))
+        every = case.call("subleg_inverse")["theta"]
+        if "assembly" in entry:
+            every = _of_assembly(case, every, entry["assembly"], entry["s"])
+        _same_solutions(case, every, entry["inverse"])
         case.values["theta"] = np.array(entry["theta"], dtype=float)[None]
         case.compare(case.call("subleg_jacobian")["M"], entry["M"], "M")
         result = case.call("jacobians")
@@ -118,6 +122,20 @@ def robots(one: Numeric, found: Measured) -> int:
         case.compare(result["K"], entry["K"], "K")
         case.compare(case.call("singularity")["type_2"].prod(), entry["det_J"], "det J")
     return len(entries)
+
+
+def _of_assembly(case: _Case, every: Floats, assembly: str, s: Any) -> Floats:
+    """Inverse solutions whose joints lead to s in one assembly mode; the others as not-a-number."""
+    code = case.one.subject.code
+    signs = np.array(code.assembly_signs[code.assembly_labels.index(assembly)], dtype=float)
+    result = np.full_like(every, np.nan)
+    for mode in range(every.shape[1]):
+        case.values["theta"] = every[None, :, mode]
+        case.values["assembly"] = np.broadcast_to(signs, (1, LEGS, len(signs)))
+        apart = np.abs(case.call("subleg_forward")["s"] - np.array(s)).max(axis=-1)
+        here = apart < 1e-6 * np.abs(s).max()
+        result[here, mode] = every[here, mode]
+    return result
 
 
 def _same_solutions(case: _Case, every: Floats, wanted: list[list[list[float]]]) -> None:

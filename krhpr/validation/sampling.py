@@ -23,6 +23,9 @@ from krhpr.validation.subject import Subject
 Floats = NDArray[np.float64]
 Values = dict[str, Floats]
 
+NEAR = 0.02
+"""How far, in each coordinate, the points that choose an assembly mode are from end points, in metres."""
+
 CONDITION = 0.1
 """Dimensionless factors of determinants (sines, mostly) are at least this in the configurations drawn."""
 
@@ -140,6 +143,9 @@ def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Value
         ("twist_rate", (freedom,)),
         ("redundant_rates", (LEGS,)),
         ("redundant_accelerations", (LEGS,)),
+        ("swivel", (LEGS,)),
+        ("swivel_rates", (LEGS,)),
+        ("swivel_accelerations", (LEGS,)),
         ("theta_dot", (LEGS, subject.subleg.n)),
         ("theta_ddot", (LEGS, subject.subleg.n)),
     ):
@@ -172,6 +178,7 @@ def _complete(
     assemblies = np.array(subject.code.assembly_signs, dtype=float)
     if assemblies.size:
         values["assembly"] = _assemblies(subject, values, geometry, assemblies)
+    values["s_near"] = values["s"] + rng.uniform(-NEAR, NEAR, values["s"].shape)
     turns = rng.integers(-2, 3, values["theta"].shape) * np.array(subject.code.angular)
     values["theta_near"] = values["theta"] + rng.uniform(-2.5, 2.5, values["theta"].shape) + 2 * np.pi * turns
     return {name: array[good] for name, array in values.items()}

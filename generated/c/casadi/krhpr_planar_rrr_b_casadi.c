@@ -75,9 +75,9 @@
 #else
 static const krhpr_planar_rrr_b_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {-0.21650635094610965, -0.12500000000000003}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.22, 90.9090909090909, 16.666666666666668} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {0.2165063509461096, -0.1250000000000001}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.22, 90.9090909090909, 16.666666666666668} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {1.5308084989341915e-17, 0.25}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.22, 90.9090909090909, 16.666666666666668} }
+        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {-0.21650635094610965, -0.12500000000000003}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} },
+        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {0.2165063509461096, -0.1250000000000001}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} },
+        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {1.5308084989341915e-17, 0.25}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} }
     },
     .platform = {
         { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18} },
@@ -657,7 +657,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_all), function_inverse_all)
 
 static int value_inverse_status(const double *x, double *y)
 {
-    return plain_inverse_status(&geometry, x, x[2], x + 3, x + 6, y);
+    return plain_inverse_status(&geometry, x, x[2], x + 3, x + 6, x + 9, y);
 }
 
 static const krhpr_casadi_slot in_inverse_status[] = {
@@ -665,12 +665,13 @@ static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_phi", 1, 1, 1, NULL, P2, P3},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
     {"out_mode", 3, 1, 1, mode_default, P4, P5},
+    {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_function function_inverse_status = {
-    4, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
+    5, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(inverse_status), function_inverse_status)
 

@@ -264,25 +264,26 @@ static inline void krhpr_platform_planar_b_row_bias_tangent(
     }
 }
 
-/* `joint` with the derivatives of its outputs along directions of its inputs.  (14 add, 14 multiply) */
+/* `joint` with the derivatives of its outputs along directions of its inputs.  (18 add, 22 multiply) */
 static inline void krhpr_platform_planar_b_joint_tangent(
     const krhpr_platform_planar_b_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
     const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
     const double Qt_1 = g->t[0] * Q[2].v + g->t[1] * Q[3].v;
+    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
+    const double Qn_1 = g->t[0] * Q[3].v - g->t[1] * Q[2].v;
     const double h1 = s[0].v - p[0].v;
     const double h2 = s[1].v - p[1].v;
-    redundant_link[0].v = Qt_0;
-    redundant_link[1].v = Qt_1;
+    redundant_link[0].v = Qn_0;
+    redundant_link[1].v = Qn_1;
     platform_joint[0].v = Qt_0 * h1 + Qt_1 * h2 - g->k[0] - g->k[1];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k];
-        const double t2 = g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k];
-        const double t3 = h1 * t1 + Qt_0 * (s[0].t[k] - p[0].t[k]) + (h2 * t2 + Qt_1 * (s[1].t[k] - p[1].t[k]));
-        redundant_link[0].t[k] = t1;
-        redundant_link[1].t[k] = t2;
-        platform_joint[0].t[k] = t3;
+        const double t1 = h1 * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]) + Qt_0 * (s[0].t[k] - p[0].t[k]);
+        const double t2 = h2 * (g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k]) + Qt_1 * (s[1].t[k] - p[1].t[k]);
+        redundant_link[0].t[k] = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
+        redundant_link[1].t[k] = g->t[0] * Q[3].t[k] - g->t[1] * Q[2].t[k];
+        platform_joint[0].t[k] = t1 + t2;
     }
 }
 

@@ -426,12 +426,12 @@ static inline void krhpr_platform_spatial_c_joint_tangent(
     const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
-    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
     const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
     const double Qt_1 = g->t[0] * Q[3].v + g->t[1] * Q[4].v;
     const double Qt_2 = g->t[0] * Q[6].v + g->t[1] * Q[7].v;
+    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
+    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
+    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
     const double h1 = s[0].v - p[0].v;
     const double h2 = s[1].v - p[1].v;
     const double h3 = s[2].v - p[2].v;

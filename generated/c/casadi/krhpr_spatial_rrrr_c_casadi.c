@@ -752,7 +752,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_all), function_inverse_all)
 
 static int value_inverse_status(const double *x, double *y)
 {
-    return plain_inverse_status(&geometry, x, x + 3, x + 12, x + 15, y);
+    return plain_inverse_status(&geometry, x, x + 3, x + 12, x + 15, x + 21, y);
 }
 
 static const krhpr_casadi_slot in_inverse_status[] = {
@@ -760,12 +760,13 @@ static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
     {"out_mode", 3, 2, 1, mode_default, P18, P19},
+    {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_function function_inverse_status = {
-    4, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
+    5, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(inverse_status), function_inverse_status)
 

@@ -92,9 +92,16 @@ def defaults(one: Numeric, batch: Batch, found: Measured) -> None:
     theta = one.call("inverse", inputs, batch.geometry)["theta"]
     signs = np.array(code.default_mode)
     mode = np.broadcast_to(signs, (len(batch), LEGS, len(signs)))
-    found.worse(np.abs(theta - call(one, batch, "inverse", mode=mode)["theta"]), "inverse")
-    ends = one.call("subleg_forward", {"theta": theta}, batch.geometry)["s"]
-    close(found, ends, batch.values["s"], "subleg_forward", 2)
+    wanted = call(one, batch, "inverse", mode=mode, swivel=np.zeros((len(batch), LEGS)))["theta"]
+    gap = np.abs(theta - wanted)
+    found.worse(np.where(np.isnan(theta) & np.isnan(wanted), 0.0, gap), "inverse")
+    forward = {port.name: batch.values[port.name] for port in code.function("subleg_forward").inputs}
+    forward.pop("assembly", None)
+    here = np.isfinite(theta).all(axis=(1, 2))  # at a swivel of zero a leg may not reach its end point
+    forward = {name: value[here] for name, value in (forward | {"theta": theta}).items()}
+    ends = one.call("subleg_forward", forward, batch.geometry)["s"]
+    found.worse(0.0 if here.any() else 1.0, "no configuration is reached by default")
+    close(found, ends, batch.values["s"][here], "subleg_forward", 2)
 
 
 def status_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
@@ -113,7 +120,9 @@ def status_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     sure = clear.all(axis=-1)
     for name, status in (("inverse", theta["status"]), ("inverse_status", reach["status"])):
         found.worse((sure & (status != first)).astype(float), f"status of {name}")
-    found.worse(0.0 if exists.any() and not exists.all() else 1.0, "no poses within, or none out of reach")
+    everywhere = one.subject.code.always_reachable
+    both = exists.all() if everywhere else exists.any() and not exists.all()
+    found.worse(0.0 if both else 1.0, "no poses within, or none out of reach")
 
 
 RUNNERS: dict[str, Runner] = {

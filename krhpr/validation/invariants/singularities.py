@@ -10,7 +10,7 @@ from krhpr.validation.differences import call
 from krhpr.validation.invariants.batch import close, runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch, redundant_box
+from krhpr.validation.sampling import Batch, evaluate, redundant_box
 from krhpr.validation.subject import Subject
 
 
@@ -21,7 +21,14 @@ def determinants(one: Numeric, batch: Batch, found: Measured) -> None:
     J = call(one, batch, "jacobians")["J"]
     for name, matrix, value in (("det M", M, result["type_1"]), ("det J", J, result["type_2"].prod(axis=-1))):
         bound = np.linalg.norm(matrix, axis=-1).prod(axis=-1)
-        found.worse(np.abs(np.linalg.det(matrix) - value) / bound, name)
+        found.worse(np.abs(_determinant(matrix) - value) / bound, name)
+
+
+def _determinant(matrix: Floats) -> Floats:
+    """det M, or sqrt(det(M M^T)), the product of the singular values, for redundant legs."""
+    if matrix.shape[-2] == matrix.shape[-1]:
+        return np.asarray(np.linalg.det(matrix))
+    return np.asarray(np.linalg.svd(matrix, compute_uv=False).prod(axis=-1))
 
 
 def margins(one: Numeric, batch: Batch, found: Measured) -> None:
@@ -77,19 +84,23 @@ def singular_configurations(one: Numeric, batch: Batch, found: Measured) -> None
 
 
 def _singular_platforms(subject: Subject, batch: Batch) -> list[tuple[Status, Floats]]:
-    """Redundant coordinates of type II singularities: links through O'; slides that cancel; two slides at
-    O'.
+    """Redundant coordinates of type II singularities: links through O'; slides of which the third makes a
+    factor of det J vanish.
     """
     if subject.platform.redundant_joint.kind == "revolute":
         return [(Status.SINGULAR_IN_PLANE, np.full(LEGS, np.pi))]
-    azimuth = np.array(batch.geometry["platform_azimuth"])
-    weights = np.sin(np.roll(azimuth, -2) - np.roll(azimuth, -1))
-    cancelling = np.array([0.1, -0.03, 0.0])
-    cancelling[2] = -(weights[0] * cancelling[0] + weights[1] * cancelling[1]) / weights[2]
-    return [
-        (Status.SINGULAR_IN_PLANE, cancelling),
-        (Status.SINGULAR_NORMAL, np.array([0.1, 0.0, 0.0])),
-    ]
+    found = [(Status.SINGULAR_IN_PLANE, _zero(subject, batch, 0, 0.1, -0.03))]
+    if not subject.planar:
+        found.append((Status.SINGULAR_NORMAL, _zero(subject, batch, 1, 0.1, 0.02)))
+    return found
+
+
+def _zero(subject: Subject, batch: Batch, factor: int, first: float, second: float) -> Floats:
+    """Slides, two of them given, at which a factor of det J vanishes; it is affine in the third."""
+    trial = np.array([[first, second, 0.0], [first, second, 0.1]])
+    values = {"p": np.zeros((2, 1)), "redundant": trial}
+    at = evaluate(subject, "type_2_of_redundant", values, batch.geometry)["type_2"][:, factor]
+    return np.array([first, second, -0.1 * at[0] / (at[1] - at[0])])
 
 
 RUNNERS: dict[str, Runner] = {

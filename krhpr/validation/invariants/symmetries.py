@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import permutations
 from typing import Any
@@ -23,8 +24,8 @@ def turned_base(one: Numeric, batch: Batch, found: Measured) -> None:
     angle = 0.7
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, -s], [s, c]]) if one.subject.planar else np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
-    geometry = {**batch.geometry, "azimuth": tuple(x + angle for x in batch.geometry["azimuth"])}
-    turn = _Turn(R, angle, _measured_from_x(one.subject, batch, R, angle))
+    geometry = _turned(batch.geometry, angle)
+    turn = _Turn(R, angle, *_measured_from_x(one.subject, batch, R, angle))
     for function in one.subject.code.functions:
         inputs = batch.of(function)
         there = {port.name: turn(port, inputs[port.name]) for port in function.inputs}
@@ -36,18 +37,31 @@ def turned_base(one: Numeric, batch: Batch, found: Measured) -> None:
             found.worse(error, f"{function.name}: {port.name}")
 
 
-def _measured_from_x(subject: Subject, batch: Batch, R: Floats, angle: float) -> Any:
-    """For each joint 1 if its angle is measured from the base's x axis and turns with the base, else 0."""
-    geometry = {**batch.geometry, "azimuth": tuple(x + angle for x in batch.geometry["azimuth"])}
+def _turned(geometry: Mapping[str, Any], angle: float) -> dict[str, Any]:
+    """The geometry with the base's azimuths turned: those of legs, and of slides that do not turn with
+    them.
+    """
+    base = ("azimuth", "slide_azimuth")
+    return {
+        name: tuple(x + angle for x in values) if name in base else values
+        for name, values in geometry.items()
+    }
+
+
+def _measured_from_x(subject: Subject, batch: Batch, R: Floats, angle: float) -> tuple[Any, int]:
+    """For each joint 1 if its angle is measured from the base's x axis and turns with the base, else 0; and
+    the same for the swivel.
+    """
+    geometry = _turned(batch.geometry, angle)
     here = evaluate(subject, "subleg_inverse", batch.values, batch.geometry)["theta"]
-    there = evaluate(subject, "subleg_inverse", {**batch.values, "s": batch.values["s"] @ R.T}, geometry)[
-        "theta"
-    ]
-    gap = arc(there, here, subject.code.angular) / angle
-    share = np.round(gap[0, 0, 0])
-    if not np.allclose(gap, share, atol=1e-9):
-        raise ArithmeticError(f"{subject.identifier}: joints turn with the base by different shares")
-    return share
+    for swivel in (0, 1) if subject.subleg.redundant else (0,):
+        moved = {"s": batch.values["s"] @ R.T, "swivel": batch.values["swivel"] + swivel * angle}
+        there = evaluate(subject, "subleg_inverse", {**batch.values, **moved}, geometry)["theta"]
+        gap = arc(there, here, subject.code.angular) / angle
+        share = np.round(gap[0, 0, 0])
+        if np.allclose(gap, share, atol=1e-9):
+            return share, swivel
+    raise ArithmeticError(f"{subject.identifier}: joints turn with the base by different shares")
 
 
 def _reference(one: Numeric, batch: Batch, port: Port, wanted: Floats) -> Any:
@@ -70,12 +84,15 @@ class _Turn:
     R: Floats
     angle: float
     share: Any
+    swivel: int
 
     def __call__(self, port: Port, value: Floats) -> Floats:
         """A value as it is after the base has turned."""
         R, d = self.R, len(self.R)
         if port.name == "phi":
             return value + self.angle
+        if port.name == "swivel":
+            return value + self.swivel * self.angle
         if port.name in ("theta", "theta_near"):
             return np.asarray(value + self.share * self.angle)
         if port.name in ("p", "s", "s_near", "points", "attachment"):
@@ -151,6 +168,8 @@ def power_of_length(subject: Subject, port: Port) -> Any:
     if port.unit in _JOINTS:
         if port.name.startswith("redundant"):
             return int(subject.platform.redundant_joint.kind != "revolute")
+        if port.name.startswith("swivel"):
+            return int(subject.subleg.swivel is not None and subject.subleg.swivel.kind != "revolute")
         return np.array([int(not angular) for angular in subject.code.angular])
     return None
 

@@ -380,10 +380,26 @@ def _spatial_c(d: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[A
     return factors, factors
 
 
+def _spatial_b(d: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[Any]]:
+    s_1, s_2 = d[0] + d[1] + d[2], d[0] * d[1] + d[1] * d[2] + d[2] * d[0]
+    h = g["R_p"][0] - g["l_r"][0]
+    along, normal = HALF * ROOT * s_1, HALF * ROOT * (h * h * 3 + s_2)
+    return [-along, normal], [along, normal]
+
+
+def _planar_slides(d: list[Any], g: dict[str, list[Any]]) -> tuple[list[Any], list[Any]]:
+    # points b_i that are alike cancel: t_1 + t_2 + t_3 = 0
+    factors = [HALF * ROOT * (d[0] + d[1] + d[2])]
+    return factors, factors
+
+
 EQUILATERAL: dict[str, Callable[..., tuple[list[Surd], list[Surd]]]] = {
     "platform_spatial_a": _spatial_a,
+    "platform_spatial_b": _spatial_b,
     "platform_spatial_c": _spatial_c,
     "platform_planar_a": _planar_a,
+    "platform_planar_b": _planar_slides,
+    "platform_planar_c": _planar_slides,
 }
 
 
@@ -405,13 +421,13 @@ def joint(subject: Subject, here: Configuration, leg: int, found: Measured) -> N
         found.equal(cross(columns[0], columns[1]), columns[2], "x cross y")
         found.equal(columns[2], [row[2] for row in Q], "z")
         along = columns[0]
-    if "l_r" in g:
-        found.equal(
-            plus(s, scaled(g["l_r"], along)), plus(p, apply(Q, thesis.joint_in_platform(g)[:d])), "B_i"
-        )
+    attachment = here.kernel("platform", "attachment", leg)["attachment"]
+    local = thesis.ATTACHMENTS[subject.code.platform.name](g, here.leg("redundant", leg)[0])
+    found.equal(attachment, plus(p, apply(Q, local[:d])), "joint or slider on the platform")
+    if subject.platform.redundant_link:
+        found.equal(plus(s, scaled(g[subject.platform.redundant_link], along)), attachment, "redundant link")
     else:
         found.equal(plus(p, scaled(here.leg("redundant", leg)[0], along)), s, "S_i on the slide")
-        found.equal(along, apply(Q, thesis.slide_in_platform(g)), "slide")
 
 
 RUNNERS: dict[str, Runner] = {

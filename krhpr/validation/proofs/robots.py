@@ -12,7 +12,7 @@ from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
 from krhpr.validation.draw import Draw
 from krhpr.validation.jets import coefficients, straight
-from krhpr.validation.linear import Matrix, apply, determinant, matrix, times
+from krhpr.validation.linear import Matrix, apply, determinant, matrix, times, transpose
 from krhpr.validation.numbers import Exact
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.proofs.platforms import moving, moving_end_point, rows
@@ -103,7 +103,11 @@ def determinants(subject: Subject, here: Configuration, found: Measured) -> None
     for factor in result["type_2"]:
         product = product * factor
     found.equal([determinant(_jacobians(here)[0])], [product], "det J")
-    found.equal([determinant(M) for M in _sublegs(here)], result["type_1"], "det M")
+    if subject.subleg.redundant:
+        squares = [determinant(times(M, transpose(M))) for M in _sublegs(here)]
+        found.equal([value * value for value in result["type_1"]], squares, "det(M M^T)")
+    else:
+        found.equal([determinant(M) for M in _sublegs(here)], result["type_1"], "det M")
 
 
 def type_2_of_redundant(subject: Subject, here: Configuration, found: Measured) -> None:

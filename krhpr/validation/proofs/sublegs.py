@@ -11,7 +11,7 @@ import numpy as np
 from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import SubLeg
-from krhpr.validation.arithmetic import ARRAYS, BALLS
+from krhpr.validation.arithmetic import ARRAYS, BALLS, RATIONAL
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
 from krhpr.validation.draw import Draw
@@ -19,10 +19,11 @@ from krhpr.validation.jets import accelerations, coefficients, straight
 from krhpr.validation.linear import (
     Matrix,
     apply,
-    cross,
     determinant,
+    dot,
     identity,
     matrix,
+    minus,
     plus,
     scaled,
     solve,
@@ -33,6 +34,7 @@ from krhpr.validation.numbers import Ball, Exact
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.proofs import thesis
 from krhpr.validation.proofs.first_principles import closure_and_jacobian
+from krhpr.validation.proofs.passive import passive_joints
 from krhpr.validation.sampling import draw
 from krhpr.validation.subject import Subject
 
@@ -124,10 +126,31 @@ def velocity_equations(subject: Subject, here: Configuration, leg: int, found: M
     implied = _implicit(here, leg)
     n, d = subject.subleg.n, subject.subleg.space.dimension
     at = here.kernel("subleg", equations_kernel(subject.subleg), leg, **posture(here, leg))
-    frame, a, b = matrix(at["F"], d), matrix(at["A"], d), matrix(at["B"], n)
+    rows = n if subject.subleg.redundant else d
+    frame, a, b = matrix(at["F"], d), matrix(at["A"], rows), matrix(at["B"], n)
     found.equal(times(transpose(frame), frame), identity(d), "F^T F")
-    found.equal(times(times(a, transpose(frame)), implied), b, "A F^T M - B")
+    of_end = [row[:d] for row in a[:d]]
+    found.equal(times(times(of_end, transpose(frame)), implied), b[:d], "A F^T M - B")
     found.equal(jacobian(here, leg), implied, "M")
+    if subject.subleg.redundant:
+        apart = [*a[d][:d], *(row[d] for row in a[:d])]
+        found.equal(apart, [Exact(0)] * len(apart), "the swivel's row and column of A")
+        found.equal(scaled(a[d][d], _swivel_gradient(here, leg, implied)), b[d], "the swivel's row of B")
+
+
+def _swivel_gradient(here: Configuration, leg: int, M: Matrix) -> list[Any]:
+    """The derivative of the swivel by each joint, the end point moving along."""
+    subleg = here.subject.subleg
+    k = KernelWriter("swivel_from_joints", "The swivel.", geometry=subleg.geometry())
+    ports = subleg.ports()
+    at = subleg.posture(k, k.add_input(ports.s), k.add_input(ports.theta))
+    k.add_output(ports.swivel, subleg.swivel_angle(k, SimpleNamespace(**at)))
+    rate = tangent_kernel(k.kernel(), "swivel", ("s", "theta"))
+    columns = transpose(M)
+    return [
+        here.kernel("subleg", rate, leg, d_s=columns[j], d_theta=unit(subleg.n, j))["rate"][0]
+        for j in range(subleg.n)
+    ]
 
 
 def first_principles(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -167,15 +190,22 @@ def products(subject: Subject, here: Configuration, leg: int, found: Measured) -
     rates = here.leg("theta_dot", leg)
     s_dot = apply(M, rates)
     found.equal(here.kernel("subleg", "velocity", leg, **at)["s_dot"], s_dot, "M theta_dot")
-    result = here.kernel("subleg", "rates", leg, **at, s_dot=s_dot)
-    found.equal(apply(M, result["theta_dot"]), s_dot, "M rates")
-    serial, _ = _factor_counts(subject.subleg)
+    swivel = {}
+    if subject.subleg.redundant:
+        row = matrix(here.kernel("subleg", equations_kernel(subject.subleg), leg, **at)["B"], n)[d]
+        swivel = {"swivel_rates": [dot(row, rates)]}
+    result = here.kernel("subleg", "rates", leg, **at, s_dot=s_dot, **swivel)
+    found.equal(result["theta_dot"], rates, "rates of M theta_dot")
+    serial, parallel, _ = factor_counts(subject.subleg)
     factors = [abs(factor) for factor in here.kernel("subleg", "determinant", leg, **at)["factors"]]
-    found.equal(result["regularity"], [min(factors[:serial])], "regularity of rates")
+    guarding = factors[:serial] + (factors[serial + parallel :] if subject.subleg.redundant else [])
+    if guarding:
+        found.equal(result["regularity"], [min(guarding)], "regularity of rates")
     for name in ("jacobian", "project", "velocity"):
         kernel = here.kernel("subleg", name, leg, **at, N=flat_rows)
         if "regularity" in kernel:
-            found.equal(kernel["regularity"], [min(factors[serial:])], f"regularity of {name}")
+            wanted = [min(factors[serial : serial + parallel])]
+            found.equal(kernel["regularity"], wanted, f"regularity of {name}")
 
 
 # -- determinant -----------------------------------------------------------------------------------
@@ -187,15 +217,24 @@ def determinants(subject: Subject, check: Check, count: int) -> Measured:
     for here, leg in cases(subject, check, count, found):
         at = posture(here, leg)
         result = here.kernel("subleg", "determinant", leg, **at)
-        found.equal(result["det_M"], [determinant(jacobian(here, leg))], "det M")
+        M = jacobian(here, leg)
+        if subject.subleg.redundant:
+            (value,) = result["det_M"]
+            found.equal([value * value], [determinant(times(M, transpose(M)))], "det(M M^T)")
+            _redundant_factors(subject, here, leg, found)
+        else:
+            found.equal(result["det_M"], [determinant(M)], "det M")
     source = Draw(check.seed + 1)
-    serial, parallel = _factor_counts(subject.subleg)
-    for _ in range(count):
+    serial, parallel, others = factor_counts(subject.subleg)
+    arithmetic = BALLS if others else RATIONAL
+    for _ in range(0 if subject.subleg.redundant else count):
         geometry = source.geometry(subject.geometry_types["subleg"])
         constants = []
         for _ in range(2):
             inputs = {port.name: source.port(port, (), full=False) for port in subject.subleg.posture_ports()}
-            result = subject.kernel("subleg", "determinant", inputs, geometry, 0, here.arithmetic)
+            if others:  # they may have roots, which det M and its factors have not
+                inputs = {name: [Ball(x) for x in values] for name, values in inputs.items()}
+            result = subject.kernel("subleg", "determinant", inputs, geometry, 0, arithmetic)
             constant = result["det_M"][0]
             for factor in result["factors"][:serial]:
                 constant = constant / factor
@@ -206,12 +245,31 @@ def determinants(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
-def _factor_counts(subleg: SubLeg) -> tuple[int, int]:
+def _redundant_factors(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """The determinant of the velocity equations, the swivel's among them, over their factors does not depend
+    on the joints.
+    """
+    equations, n = equations_kernel(subject.subleg), subject.subleg.n
+    serial, _, _ = factor_counts(subject.subleg)
+    constants = []
+    for turn in (0, 1):
+        theta = [angle + Exact(turn) / (k + 2) for k, angle in enumerate(here.leg("theta", leg))]
+        s = here.kernel("subleg", "forward", leg, theta=theta)["s"]
+        at = here.kernel("subleg", "posture", leg, theta=theta, s=s)
+        constant = determinant(matrix(here.kernel("subleg", equations, leg, **at)["B"], n))
+        for factor in here.kernel("subleg", "determinant", leg, **at)["factors"][:serial]:
+            constant = constant / factor
+        constants.append(constant)
+    found.equal([constants[0]], [constants[1]], "det B over its factors")
+
+
+def factor_counts(subleg: SubLeg) -> tuple[int, int, int]:
+    """Numbers of serial, parallel and other factors."""
     k = KernelWriter("factors", "", geometry=subleg.geometry())
     equations = subleg.velocity(
         k, SimpleNamespace(**{port.name: k.add_input(port) for port in subleg.posture_ports()})
     )
-    return len(equations.serial), len(equations.parallel)
+    return len(equations.serial), len(equations.parallel), len(equations.others)
 
 
 # -- motion ----------------------------------------------------------------------------------------
@@ -220,16 +278,50 @@ def _factor_counts(subleg: SubLeg) -> tuple[int, int]:
 def motion(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
     """Rates and accelerations of the end point along a motion of the joints."""
     theta = straight(*(here.leg(name, leg) for name in ("theta", "theta_dot", "theta_ddot")))
-    s = here.kernel("subleg", "forward", leg, theta=theta)["s"]
     at = posture(here, leg)
     bias = here.kernel("subleg", "bias", leg)
-    found.equal(coefficients(s, 0), here.leg("s", leg), "s")
-    found.equal(coefficients(s, 1), bias["s_dot"], "s_dot")
     along = here.kernel("subleg", "velocity", leg, **at, theta_dot=here.leg("theta_ddot", leg))["s_dot"]
-    found.equal(accelerations(s), plus(along, bias["bias"]), "s_ddot")
+    s_ddot = plus(along, bias["bias"])
+    if subject.subleg.has_forward:
+        s = here.kernel("subleg", "forward", leg, theta=theta)["s"]
+        found.equal(coefficients(s, 0), here.leg("s", leg), "s")
+        found.equal(coefficients(s, 1), bias["s_dot"], "s_dot")
+        found.equal(accelerations(s), s_ddot, "s_ddot")
+    else:
+        s = straight(here.leg("s", leg), bias["s_dot"], s_ddot)
     residual = here.kernel("subleg", "closure", leg, s=s, theta=theta)["residual"]
     for order in range(3):
         found.equal(coefficients(residual, order), [Exact(0)] * len(residual), f"closure, order {order}")
+
+
+def newton_step(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """A Newton step leaves a solution where it is, and its derivative there is zero: errors are squared."""
+    unknown, name = ("s", "forward_step") if not subject.subleg.has_forward else ("theta", "inverse_step")
+    start = here.leg(unknown, leg)
+    result = here.kernel("subleg", name, leg)
+    found.equal(result[f"{unknown}_next"], start, f"{unknown}, a solution")
+    found.equal(result["change"], [Exact(0)], "change at a solution")
+    for index in range(len(start)):
+        moved = straight(start, unit(len(start), index), [Exact(0)] * len(start))
+        after = here.kernel("subleg", name, leg, **{unknown: moved})[f"{unknown}_next"]
+        found.equal(coefficients(after, 1), [Exact(0)] * len(start), f"first order in {unknown}[{index}]")
+
+
+def links(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """Every link is as long as the geometry or the joint that it is named after; the last point is S_i."""
+    names = subject.subleg.points_port().labels
+    d = subject.subleg.space.dimension
+    rows = matrix(here.kernel("subleg", "points", leg, **posture(here, leg))["points"], d)
+    points = dict(zip(names, rows, strict=True))
+    lengths = fields(here, leg)
+    joints = {j.name: x for j, x in zip(subject.subleg.actuators, here.leg("theta", leg), strict=True)}
+    found.equal(points["S"], here.leg("s", leg), "S_i")
+    for link in subject.subleg.links:
+        along = minus(points[link.end], points[link.start])
+        length = lengths[link.name] if link.name in lengths else joints[link.name]
+        found.equal(
+            [dot(along, along)], [length * length], (f"link {link.name} from {link.start} to {link.end}")
+        )
 
 
 # -- position --------------------------------------------------------------------------------------
@@ -239,6 +331,8 @@ def forward_closes(subject: Subject, here: Configuration, leg: int, found: Measu
     """forward satisfies the closure in every assembly mode, with the posture that belongs to it."""
     for signs in subject.code.assembly_signs:
         given = {"assembly": [Exact(sign) for sign in signs]} if signs else {}
+        if subject.subleg.forward_near:
+            given = {"s_near": here.leg("s_near", leg)}
         result = here.kernel("subleg", "forward_posture", leg, **given)
         s = result["s"]
         found.equal(here.kernel("subleg", "forward", leg, **given)["s"], s, "s")
@@ -258,18 +352,22 @@ def inverse_closes(subject: Subject, check: Check, count: int) -> Measured:
         geometry = {name: [Ball(x) for x in values] for name, values in batch.geometry.items()}
         for leg in range(LEGS):
             s = [Ball(x) for x in batch.values["s"][0][leg].tolist()]
+            swivel = {"swivel": [Ball(batch.values["swivel"][0][leg])]} if subject.subleg.redundant else {}
 
             def kernel(
                 name: str, leg: int = leg, geometry: Mapping[str, Any] = geometry, **inputs: Any
             ) -> Any:
                 return subject.kernel("subleg", name, inputs, geometry, leg, BALLS)
 
-            every = matrix(kernel("inverse_all", s=s)["theta"], n)
+            every = matrix(kernel("inverse_all", s=s, **swivel)["theta"], n)
             for signs, listed in zip(modes, every, strict=True):
-                theta = kernel("inverse", s=s, mode=[Ball(sign) for sign in signs])["theta"]
+                theta = kernel("inverse", s=s, mode=[Ball(sign) for sign in signs], **swivel)["theta"]
                 found.equal(theta, listed, f"inverse_all {signs}")
                 residual = kernel("closure", s=s, theta=theta)["residual"]
                 found.equal(residual, [Ball(0)] * len(residual), f"closure {signs}")
+                if swivel:
+                    at = kernel("posture", s=s, theta=theta)
+                    found.equal(kernel("swivel", **at)["swivel"], swivel["swivel"], f"swivel {signs}")
                 found.samples += 1
             for i, one in enumerate(every):
                 for other in every[:i]:
@@ -288,11 +386,12 @@ def reach(subject: Subject, check: Check, count: int) -> Measured:
     s = list(rng.uniform(-1.2, 1.2, (d, many)))
     seen = [0, 0]
     for signs in subject.code.mode_signs:
-        inputs = {"s": s, "mode": [float(sign) for sign in signs]}
+        inputs = {"s": s, "mode": [float(sign) for sign in signs], "swivel": [0.3]}
         with np.errstate(all="ignore"):
             excess = subject.kernel("subleg", "reach", inputs, geometry, 0, ARRAYS)["excess"][0]
             inverse = subject.kernel("subleg", "inverse", inputs, geometry, 0, ARRAYS)
         exists = np.isfinite(np.array(inverse["theta"])).all(axis=0) & (inverse["radicand"][0] >= 0)
+        excess = np.broadcast_to(excess, exists.shape)
         clear = np.isnan(excess) | (np.abs(excess) > 1e-9)
         found.worse(
             (clear & ((excess <= 0) != exists)).astype(float), f"excess and existence differ in mode {signs}"
@@ -300,75 +399,14 @@ def reach(subject: Subject, check: Check, count: int) -> Measured:
         found.samples += many
         seen[0] += int(exists.sum())
         seen[1] += int((~exists).sum())
+    if subject.code.always_reachable:
+        found.worse(float(seen[1]), "a point is out of reach")
+        return found
     found.worse(
         0.0 if min(seen) > 0 else 1.0, f"no points {'within' if seen[1] else 'out of'} reach were drawn"
     )
     return found
 
-
-# -- passive joints --------------------------------------------------------------------------------
-
-
-def _in_plane(angle: Any) -> list[Any]:
-    return [angle.cos(), angle.sin()]
-
-
-def passive_joints(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
-    """Links laid end to end with all angles meet in S_i."""
-    g, theta, s = fields(here, leg), here.leg("theta", leg), here.leg("s", leg)
-    result = here.kernel("subleg", "passive", leg, **posture(here, leg))
-    PASSIVE[subject.code.subleg.name](g, s, theta, result, found)
-
-
-def _first_axis_chain(
-    g: dict[str, Any], theta: list[Any], last: Any, lengths: tuple[str, str], link: Matrix, found: Measured
-) -> list[Any]:
-    """The end of two links at theta_2 and `last` in the linkage plane; the last one's frame is checked on
-    the way.
-    """
-    at = thesis.axes(g, theta[0])
-    inner = plus(scaled(theta[1].cos(), at.x), scaled(theta[1].sin(), at.e_1))
-    along = plus(scaled(last.cos(), at.x), scaled(last.sin(), at.e_1))
-    found.equal(transpose(link), [along, cross(at.e_2, along), at.e_2], "link frame")
-    return plus(at.c, plus(scaled(g[lengths[0]], inner), scaled(g[lengths[1]], along)))
-
-
-def _passive_rrr(
-    g: dict[str, Any], s: list[Any], theta: list[Any], result: dict[str, Any], found: Measured
-) -> None:
-    link = matrix(result["link"], 3)
-    found.equal(_first_axis_chain(g, theta, theta[1] + theta[2], ("l_2", "l_3"), link, found), s, "S_i")
-
-
-def _passive_r_fivebar(
-    g: dict[str, Any], s: list[Any], theta: list[Any], result: dict[str, Any], found: Measured
-) -> None:
-    crank_1, crank_2, rod = result["passive"]
-    distal, link_2 = theta[1] + crank_1, theta[2] + crank_2
-    found.equal(
-        _first_axis_chain(g, theta, distal, ("l_4", "l_6"), matrix(result["link"], 3), found), s, "S_i"
-    )
-    by_rod = plus(scaled(g["l_2"], _in_plane(theta[2])), scaled(g["l_3"], _in_plane(link_2)))
-    by_distal = plus(scaled(g["l_4"], _in_plane(theta[1])), scaled(g["l_6"] - g["l_5"], _in_plane(distal)))
-    found.equal(by_rod, by_distal, "P")
-    found.equal(_in_plane(link_2 + rod), _in_plane(distal), "rod")
-
-
-def _passive_planar_rr(
-    g: dict[str, Any], s: list[Any], theta: list[Any], result: dict[str, Any], found: Measured
-) -> None:
-    o = scaled(g["R_b"], _in_plane(g["azimuth"]))
-    found.equal(
-        plus(plus(o, scaled(g["l_1"], _in_plane(theta[0]))), scaled(g["l_2"], result["link"])), s, "r_i"
-    )
-    found.equal(result["link"], _in_plane(theta[0] + theta[1]), "link")
-
-
-PASSIVE: dict[str, Callable[..., None]] = {
-    "subleg_rrr": _passive_rrr,
-    "subleg_r_fivebar": _passive_r_fivebar,
-    "subleg_planar_rr": _passive_planar_rr,
-}
 
 RUNNERS: dict[str, Runner] = {
     "velocity equations": proof(velocity_equations),
@@ -380,5 +418,7 @@ RUNNERS: dict[str, Runner] = {
     "forward closes": proof(forward_closes),
     "inverse closes": inverse_closes,
     "reach": reach,
+    "Newton step": proof(newton_step),
+    "links": proof(links),
     "passive joints": proof(passive_joints),
 }

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from krhpr.validation.linear import Matrix, apply, cross, dot, minus, plus, scaled, transpose
+from krhpr.validation.linear import Matrix, apply, cross, dot, minus, plus, scaled, solve, transpose
 from krhpr.validation.numbers import Exact
 
 Fields = Mapping[str, Any]
@@ -44,11 +44,11 @@ class Axes:
 
 
 def axes(g: Fields, theta_1: Any) -> Axes:
-    """Fig. 1.3 with the conventions of the errata: e_2 is tangential at theta_1 = 0."""
+    """Fig. 1.3 with the conventions of the errata: e_2 is tangential at theta_1 = 0 (None: it stays so)."""
     e_r: Vector = [g["azimuth"].cos(), g["azimuth"].sin(), Exact(0)]
     e_t: Vector = [-g["azimuth"].sin(), g["azimuth"].cos(), Exact(0)]
     e_1 = plus(scaled(-g["alpha"].cos(), e_r), [Exact(0), Exact(0), g["alpha"].sin()])
-    e_2 = turned(e_1, theta_1, e_t)
+    e_2 = e_t if theta_1 is None else turned(e_1, theta_1, e_t)
     return Axes(plus(scaled(g["R_b"], e_r), scaled(g["l_1"], e_1)), e_1, e_2, cross(e_1, e_2))
 
 
@@ -103,10 +103,67 @@ def quarter(v: Sequence[Any]) -> Vector:
     return [-v[1], v[0]]
 
 
+def _prr(g: Fields, s: Vector, theta: Vector) -> VelocityMatrices:
+    # 2.4.1: (2.15) with its first column replaced by the slide's direction
+    at = axes(g, None)
+    base = plus(at.c, scaled(theta[0], at.e_2))
+    elbow = plus(base, scaled(g["l_2"], turned(at.e_2, theta[1], at.x)))
+    columns = [at.e_2, cross(at.e_2, minus(s, base)), cross(at.e_2, minus(s, elbow))]
+    return VelocityMatrices(transpose(columns))
+
+
+def _p_fivebar(g: Fields, s: Vector, theta: Vector) -> VelocityMatrices:
+    at = axes(g, None)
+    e_1 = e_2 = e_3 = at.e_2  # the slide and both cranks are along e_t
+    b = plus(at.c, scaled(theta[0], e_1))  # (2.36)
+    ratio = 1 - g["l_5"] / g["l_6"]  # l_4 / l_5 of Section 2.4.2 is l_5 / l_6 here
+    u_1 = scaled(g["l_4"], turned(e_2, theta[1], at.x))
+    u_2 = scaled(g["l_2"], turned(e_3, theta[2], at.x))
+    v_1 = minus(minus(s, b), u_1)
+    v_2 = minus(plus(u_1, scaled(ratio, v_1)), u_2)
+    zero, one = Exact(0), Exact(1)
+    A = [e_1, v_1, scaled(ratio, v_2)]  # (2.48)
+    B = [  # (2.49)
+        [one, zero, zero],
+        [zero, dot(minus(s, b), cross(e_2, u_1)), zero],
+        [zero, g["l_5"] / g["l_6"] * dot(v_2, cross(u_1, e_2)), dot(v_2, cross(e_3, u_2))],
+    ]
+    return VelocityMatrices(solve(A, B), A, B)  # (2.50)
+
+
+def _rrrr(g: Fields, s: Vector, theta: Vector) -> VelocityMatrices:
+    # (2.32): r_j points from the centre of joint j to S_i
+    at = axes(g, theta[0])
+    u = scaled(g["l_2"], turned(at.e_2, theta[1], at.x))
+    e_3 = scaled(1 / g["l_2"], u)
+    e_4 = turned(e_3, theta[2], at.e_2)
+    shoulder, elbow = minus(s, at.c), minus(minus(s, at.c), u)
+    pairs = ((at.e_1, shoulder), (at.e_2, shoulder), (e_3, elbow), (e_4, elbow))
+    return VelocityMatrices(transpose([cross(e, r) for e, r in pairs]))
+
+
+def _cpr3(g: Fields, s: Vector, theta: Vector) -> VelocityMatrices:
+    at, rows = axes(g, None), []
+    for k in (1, 2, 3):
+        tilt, turn = g[f"tilt_{k}"], g[f"turn_{k}"]
+        around = plus(scaled(turn.cos(), at.e_1), scaled(turn.sin(), at.e_2))
+        e = plus(scaled(tilt.cos(), at.x), scaled(tilt.sin(), around))
+        across = plus(scaled(g[f"y_{k}"], at.e_1), scaled(g[f"z_{k}"], at.e_2))
+        c_k = plus(at.c, plus(scaled(g[f"x_{k}"], at.x), across))
+        arm = minus(s, c_k)  # s + v_i - c_i of (2.52)
+        rows.append(minus(arm, scaled(dot(arm, e), e)))
+    B = [[theta[row] if row == column else Exact(0) for column in range(3)] for row in range(3)]
+    return VelocityMatrices(solve(rows, B), rows, B)  # (2.55)
+
+
 VELOCITY: dict[str, Callable[[Fields, Vector, Vector], VelocityMatrices]] = {
     "subleg_rrr": _rrr,
     "subleg_r_fivebar": _r_fivebar,
     "subleg_planar_rr": _planar_rr,
+    "subleg_prr": _prr,
+    "subleg_p_fivebar": _p_fivebar,
+    "subleg_rrrr": _rrrr,
+    "subleg_cpr3": _cpr3,
 }
 
 
@@ -122,12 +179,25 @@ def _spatial_a(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
     return [[*a, *cross(Qb, a)], [*q_z, *cross(u, q_z)]]
 
 
-def _spatial_c(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
-    # (2.28) with n_i = e_t
+def _along_slide(Q: Matrix, n: Vector, p: Vector, s: Vector) -> Matrix:
+    """(2.28): the line across the slide and the one along q_z, both through S_i."""
     q_z = [row[2] for row in Q]
-    Qn = apply(Q, [-g["platform_azimuth"].sin(), g["platform_azimuth"].cos(), Exact(0)])
-    arm = minus(s, p)
+    Qn, arm = apply(Q, n), minus(s, p)
     return [[*Qn, *cross(arm, Qn)], [*q_z, *cross(arm, q_z)]]
+
+
+def _spatial_b(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
+    return _along_slide(Q, _radial(g), p, s)  # n_i = e_r
+
+
+def _spatial_c(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
+    return _along_slide(Q, cross([Exact(0), Exact(0), Exact(1)], _radial(g)), p, s)  # n_i = e_t
+
+
+def _planar_slide(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
+    # (2.10) with c_i = (Q n_i)^T E (r_i - p), to which (2.12) and (2.14) reduce
+    Qn = apply(Q, [-g["platform_azimuth"].sin(), g["platform_azimuth"].cos()])
+    return [[*Qn, dot(Qn, quarter(minus(s, p)))]]
 
 
 def _planar_a(g: Fields, p: Vector, Q: Matrix, s: Vector) -> Matrix:
@@ -143,13 +213,43 @@ def joint_in_platform(g: Fields) -> Vector:
     return [g["R_p"] * azimuth.cos(), g["R_p"] * azimuth.sin(), Exact(0)]
 
 
-def slide_in_platform(g: Fields) -> Vector:
-    """t_i of arrangement (c)."""
+def _radial(g: Fields) -> Vector:
     return [g["platform_azimuth"].cos(), g["platform_azimuth"].sin(), Exact(0)]
+
+
+def _slider_spatial_b(g: Fields, d: Any) -> Vector:
+    """b e_r + d_i e_t."""
+    x, y, _ = _radial(g)
+    return [g["R_p"] * x - d * y, g["R_p"] * y + d * x, Exact(0)]
+
+
+def _slider_planar_b(g: Fields, d: Any) -> Vector:
+    """b_i + delta_i t_i."""
+    x, y, _ = _radial(g)
+    return [g["b_x"] + d * x, g["b_y"] + d * y, Exact(0)]
+
+
+def _slider_c(g: Fields, d: Any) -> Vector:
+    """d_i t_i."""
+    return scaled(d, _radial(g))
+
+
+ATTACHMENTS: dict[str, Callable[[Fields, Any], Vector]] = {
+    "platform_spatial_a": lambda g, beta: joint_in_platform(g),
+    "platform_spatial_b": _slider_spatial_b,
+    "platform_spatial_c": _slider_c,
+    "platform_planar_a": lambda g, beta: joint_in_platform(g),
+    "platform_planar_b": _slider_planar_b,
+    "platform_planar_c": _slider_c,
+}
+"""Where the redundant link meets the platform, in the platform frame, by its redundant coordinate."""
 
 
 ROWS: dict[str, Callable[[Fields, Vector, Matrix, Vector], Matrix]] = {
     "platform_spatial_a": _spatial_a,
+    "platform_spatial_b": _spatial_b,
     "platform_spatial_c": _spatial_c,
     "platform_planar_a": _planar_a,
+    "platform_planar_b": _planar_slide,
+    "platform_planar_c": _planar_slide,
 }

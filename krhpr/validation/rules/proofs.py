@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from krhpr.validation.check import BALL, EXACT, Samples
-from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS
+from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 
 MANY = Samples(4, 40)
 FEW = Samples(2, 12)
@@ -50,9 +50,11 @@ SUBLEG_PROOFS = (
         MANY,
         "A, B and M equal the thesis' matrices written in the base frame: (1.10) to (1.15) with the "
         "erratum of (1.10) and "
-        "(A.2); (2.15); the planar RR column by column.",
+        "(A.2); (2.15), for PRR with the slide's column; (2.32); (2.48), (2.49); (2.55); the planar "
+        "RR column "
+        "by column.",
         ("jacobian",),
-        FIRST_PRINCIPLES,
+        THESIS_VELOCITY,
     ),
     Proof(
         "products of M",
@@ -114,7 +116,27 @@ SUBLEG_PROOFS = (
         MANY,
         "The links, laid end to end with the passive angles, meet in S_i; the last link's frame is a "
         "rotation.",
-        only=FIRST_PRINCIPLES,
+    ),
+    Proof(
+        "links",
+        "points",
+        EXACT,
+        MANY,
+        "Every link is as long as the geometry or the joint that it is named after; the last point is S_i.",
+    ),
+    Proof(
+        "Newton step",
+        "forward_step",
+        EXACT,
+        MANY,
+        "A Newton step leaves a solution where it is, and errors are squared by it.",
+    ),
+    Proof(
+        "Newton step",
+        "inverse_step",
+        EXACT,
+        MANY,
+        "A Newton step leaves a solution where it is, and errors are squared by it.",
     ),
 )
 
@@ -205,7 +227,9 @@ PLATFORM_PROOFS = (
         "joint",
         EXACT,
         MANY,
-        "The redundant link's frame is a rotation and points from S_i to its joint.",
+        "The redundant link's frame is a rotation and points from S_i to its joint or slider on the "
+        "platform.",
+        ("attachment",),
     ),
 )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from krhpr.validation.check import ROUND_TRIP, Samples
-from krhpr.validation.rules.known import WITH_REFERENCE
+from krhpr.validation.rules.known import WITHOUT_REFERENCE
 from krhpr.validation.rules.rule import Rule
 
 REFERENCES = (
@@ -14,7 +14,7 @@ REFERENCES = (
         Samples(1, 1),
         "End points, all inverse solutions, M, J, K and det J of the reference configurations.",
         ("end_points", "redundant_coordinates", "subleg_inverse", "subleg_jacobian", "singularity"),
-        lambda robot: robot.identifier in WITH_REFERENCE,
+        lambda robot: robot.subleg.name not in WITHOUT_REFERENCE,
     ),
     Rule(
         "platforms",
