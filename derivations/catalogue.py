@@ -65,6 +65,7 @@ _CPR: Sizes = {
     **{"x_2": 0.0, "y_2": -0.02, "z_2": 0.005},
     **{"x_3": 0.01, "y_3": 0.0, "z_3": 0.04},
 }
+_AROUND: Sizes = {f"a_{k}": radians(120.0 * (k - 1)) for k in (1, 2, 3)}
 _PLANE: Sizes = {"azimuth": _PLANAR, "R_b": 0.25}
 
 SUBLEGS: tuple[tuple[SubLeg, Sizes], ...] = (
@@ -76,9 +77,9 @@ SUBLEGS: tuple[tuple[SubLeg, Sizes], ...] = (
     (PFiveBar(), {**_BASE, **_FIVEBAR, "l_3": 0.28}),
     (CPR3(), {**_BASE, **_CPR}),
     (Tripteron(), {**_BASE, "l_2": 0.3, "l_3": 0.3}),
-    (UPU3(), {**_BASE, "r_g": 0.12}),
-    (UPS3(), {**_BASE, "r_g": 0.12}),
-    (Delta(), {**_BASE, "r_g": 0.06, "L": 0.25, "R": 0.42}),
+    (UPU3(), {**_BASE, "r_g": 0.12, **_AROUND}),
+    (UPS3(), {**_BASE, "r_g": 0.12, **_AROUND}),
+    (Delta(), {**_BASE, "r_g": 0.06, "L": 0.25, "R": 0.42, **_AROUND}),
     (RR(), {**_PLANE, "l_1": 0.15, "l_2": 0.16}),
     (PR(), {**_PLANE, "slide": pi / 2, "l_1": 0.22}),
     (RP(), {**_PLANE, "h": 0.01}),

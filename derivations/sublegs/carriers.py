@@ -74,6 +74,11 @@ def leg_frame_geometry(name: str, doc: str, lengths: tuple[GeometryField, ...]) 
     return GeometryType(name, doc, fields, k.kernel())
 
 
+def leg_axes(k: KernelWriter) -> sp.Matrix:
+    """The leg frame as a rotation matrix: the orientation of a sub-leg's platform that only translates."""
+    return sp.Matrix.hstack(k.g.e_x, k.g.e_1, k.g.e_t)
+
+
 def in_plane(angle: Any) -> sp.Matrix:
     """The direction at an angle in the linkage plane (x, e_1), or in the base plane of a planar leg."""
     return sp.Matrix([sp.cos(angle), sp.sin(angle)])

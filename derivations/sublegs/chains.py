@@ -112,12 +112,16 @@ def strut_angles(k: KernelWriter, w: sp.Matrix, frame: list[sp.Matrix], name: st
 def triad_geometry(
     name: str, doc: str, lengths: tuple[GeometryField, ...], radius: str, directions: bool
 ) -> GeometryType:
-    """A leg frame, and three centres g_k about c, at the azimuths of the leg, +120 and +240 deg, on a circle.
+    """A leg frame, and three centres g_k about c on a horizontal circle.
 
-    The field named `radius` is the circle's.  With `directions`, the radial direction x_k of each centre is
-    prepared as well.
+    The field named `radius` is the circle's; g_k stands at the angle a_k from the leg's radial direction.  With
+    `directions`, the radial direction x_k of each centre is prepared as well.
     """
-    fields = (*BASE_FIELDS, *lengths)
+    angles = tuple(
+        GeometryField(f"a_{k}", Unit.RADIAN, f"azimuth of g_{k} about c, from the leg's radial direction")
+        for k in (1, 2, 3)
+    )
+    fields = (*BASE_FIELDS, *lengths, *angles)
     k, symbols = begin_geometry(fields)
     azimuth = symbols["azimuth"]
     e_t = k.let("e_t", sp.Matrix([-sp.sin(azimuth), sp.cos(azimuth), 0]))
@@ -127,8 +131,7 @@ def triad_geometry(
         -sp.cos(symbols["alpha"]) * e_r + sp.sin(symbols["alpha"]) * sp.Matrix([0, 0, 1])
     )
     c = k.let("c", c)
-    half, side = sp.Rational(1, 2), k.let("side", sp.sqrt(sp.Integer(3)) / 2)
-    around = (e_r, -half * e_r + side * e_t, -half * e_r - side * e_t)
+    around = [sp.cos(symbols[field.name]) * e_r + sp.sin(symbols[field.name]) * e_t for field in angles]
     rows = [k.let(f"x_{i + 1}", direction) for i, direction in enumerate(around)]
     centres = sp.Matrix([list(c + symbols[radius] * row) for row in rows])
     k.output("g", centres, Unit.METRE, Frame.BASE, "centres g_k, a row for each chain")

@@ -18,7 +18,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Posture
-from krhpr.derivations.sublegs.carriers import BASE_FIELDS, begin_geometry, radial, write_leg_frame
+from krhpr.derivations.sublegs.carriers import BASE_FIELDS, begin_geometry, leg_axes, radial, write_leg_frame
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row
 from krhpr.derivations.terms import Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import cross, dot
@@ -120,7 +120,7 @@ class CPR3(ChainSubLeg):
         return found
 
     def link_frame(self, k: KernelWriter, at: SimpleNamespace) -> sp.Matrix:
-        return sp.eye(3)
+        return leg_axes(k)
 
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         return {**{f"C_{n}": s - row(at.w, n - 1) for n in CHAINS}, "S": s}

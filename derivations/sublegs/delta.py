@@ -14,7 +14,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward, Posture
-from krhpr.derivations.sublegs.carriers import E_Z
+from krhpr.derivations.sublegs.carriers import E_Z, leg_axes
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row, triad_geometry
 from krhpr.derivations.sublegs.circles import meet_spheres
 from krhpr.derivations.sublegs.tripods import RADIUS
@@ -148,7 +148,7 @@ class Delta(ChainSubLeg):
         return angles
 
     def link_frame(self, k: KernelWriter, at: SimpleNamespace) -> sp.Matrix:
-        return sp.eye(3)
+        return leg_axes(k)
 
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         centres = {f"G_{n}": row(k.g.g, n - 1) for n in ARMS}

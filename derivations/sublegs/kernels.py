@@ -478,7 +478,7 @@ class SubLegPorts:
         self.passive = Port(
             "passive",
             (len(passive),),
-            Unit.RADIAN,
+            Unit.RADIAN if all(j.kind == "revolute" for j in subleg.passive_joints) else Unit.ACTUATOR,
             Frame.JOINT,
             "passive joints within the sub-leg",
             stacked,

@@ -15,6 +15,7 @@ import sympy as sp
 from krhpr.codegen.kernel import GeometryField, GeometryType, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward
+from krhpr.derivations.sublegs.carriers import leg_axes
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row, strut_angles, triad_geometry
 from krhpr.derivations.sublegs.circles import meet_spheres
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
@@ -136,4 +137,4 @@ class UPU3(UPS3):
         return angles
 
     def link_frame(self, k: KernelWriter, at: SimpleNamespace) -> sp.Matrix:
-        return sp.eye(3)
+        return leg_axes(k)

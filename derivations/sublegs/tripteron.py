@@ -16,7 +16,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward, Passive, Posture, SubLeg, VelocityEquations
-from krhpr.derivations.sublegs.carriers import leg_frame_geometry
+from krhpr.derivations.sublegs.carriers import leg_axes, leg_frame_geometry
 from krhpr.derivations.sublegs.two_link import outside, two_link
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import dot
@@ -63,7 +63,7 @@ class Tripteron(SubLeg):
         return leg_frame_geometry(f"subleg_{self.name}", self.doc, lengths)
 
     def _axes(self, k: KernelWriter) -> sp.Matrix:
-        return sp.Matrix.hstack(k.g.e_x, k.g.e_1, k.g.e_t)
+        return leg_axes(k)
 
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
         return Forward(k.g.c + self._axes(k) * theta, {"rho": theta})
@@ -120,7 +120,7 @@ class Tripteron(SubLeg):
         for n in SLIDES:
             arm = self._links(k, at.rho, n, elbow=True)
             angles += [arm.inner, arm.elbow]
-        return Passive(tuple(zip(self.passive_joints, angles, strict=True)), sp.eye(3))
+        return Passive(tuple(zip(self.passive_joints, angles, strict=True)), self._axes(k))
 
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         axes = (k.g.e_x, k.g.e_1, k.g.e_t)

@@ -346,8 +346,8 @@ KRHPR_API int krhpr_spatial_cpr3_c_joint_accelerations_batch(
  *   in     Q (3 x 3, base frame): orientation, base from platform
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [rho_1, rho_2, rho_3]
- *   out    passive (3 x 6, rad, joint frame): passive joints within the sub-leg [turn_1, travel_1, turn_2,
- *          travel_2, turn_3, travel_3]
+ *   out    passive (3 x 6, rad or m, joint frame): passive joints within the sub-leg [turn_1, travel_1,
+ *          turn_2, travel_2, turn_3, travel_3]
  *   out    spherical (3 x 3 x 3, joint frame): spherical joint at S_i as a rotation: redundant link (x from
  *          S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
  *   out    platform_joint (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed

@@ -22,6 +22,9 @@ KRHPR_API int krhpr_spatial_delta_b_prepare(krhpr_spatial_delta_b_geometry *g)
         valid &= krhpr_taint(&g->subleg[i].r_g, 1) == 0.0;
         valid &= krhpr_taint(&g->subleg[i].L, 1) == 0.0;
         valid &= krhpr_taint(&g->subleg[i].R, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].a_1, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].a_2, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].a_3, 1) == 0.0;
         valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
         valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
         valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
@@ -35,10 +38,10 @@ KRHPR_API int krhpr_spatial_delta_b_prepare(krhpr_spatial_delta_b_geometry *g)
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
 
-KRHPR_API int krhpr_spatial_delta_b_set_geometry(krhpr_spatial_delta_b_geometry *g, const double fields[30])
+KRHPR_API int krhpr_spatial_delta_b_set_geometry(krhpr_spatial_delta_b_geometry *g, const double fields[39])
 {
     for (int i = 0; i < 3; ++i) {
-        const double *leg = fields + 10 * i;
+        const double *leg = fields + 13 * i;
         g->subleg[i].azimuth = leg[0];
         g->subleg[i].R_b = leg[1];
         g->subleg[i].alpha = leg[2];
@@ -46,19 +49,22 @@ KRHPR_API int krhpr_spatial_delta_b_set_geometry(krhpr_spatial_delta_b_geometry 
         g->subleg[i].r_g = leg[4];
         g->subleg[i].L = leg[5];
         g->subleg[i].R = leg[6];
-        g->platform[i].platform_azimuth = leg[7];
-        g->platform[i].R_p = leg[8];
-        g->platform[i].l_r = leg[9];
+        g->subleg[i].a_1 = leg[7];
+        g->subleg[i].a_2 = leg[8];
+        g->subleg[i].a_3 = leg[9];
+        g->platform[i].platform_azimuth = leg[10];
+        g->platform[i].R_p = leg[11];
+        g->platform[i].l_r = leg[12];
     }
     return krhpr_spatial_delta_b_prepare(g);
 }
 
 KRHPR_API int krhpr_spatial_delta_b_default_geometry(krhpr_spatial_delta_b_geometry *g)
 {
-    static const double fields[30] = {
-        0.0, 0.25, 2.0943951023931953, 0.05, 0.06, 0.25, 0.42, 0.0, 0.125, 0.05,
-        2.0943951023931953, 0.25, 2.0943951023931953, 0.05, 0.06, 0.25, 0.42, 2.0943951023931953, 0.125, 0.05,
-        4.1887902047863905, 0.25, 2.0943951023931953, 0.05, 0.06, 0.25, 0.42, 4.1887902047863905, 0.125, 0.05
+    static const double fields[39] = {
+        0.0, 0.25, 2.0943951023931953, 0.05, 0.06, 0.25, 0.42, 0.0, 2.0943951023931953, 4.1887902047863905, 0.0, 0.125, 0.05,
+        2.0943951023931953, 0.25, 2.0943951023931953, 0.05, 0.06, 0.25, 0.42, 0.0, 2.0943951023931953, 4.1887902047863905, 2.0943951023931953, 0.125, 0.05,
+        4.1887902047863905, 0.25, 2.0943951023931953, 0.05, 0.06, 0.25, 0.42, 0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905, 0.125, 0.05
     };
     return krhpr_spatial_delta_b_set_geometry(g, fields);
 }

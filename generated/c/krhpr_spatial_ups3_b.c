@@ -19,6 +19,9 @@ KRHPR_API int krhpr_spatial_ups3_b_prepare(krhpr_spatial_ups3_b_geometry *g)
         valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
         valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
         valid &= krhpr_taint(&g->subleg[i].r_g, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].a_1, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].a_2, 1) == 0.0;
+        valid &= krhpr_taint(&g->subleg[i].a_3, 1) == 0.0;
         valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
         valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
         valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
@@ -30,28 +33,31 @@ KRHPR_API int krhpr_spatial_ups3_b_prepare(krhpr_spatial_ups3_b_geometry *g)
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
 
-KRHPR_API int krhpr_spatial_ups3_b_set_geometry(krhpr_spatial_ups3_b_geometry *g, const double fields[24])
+KRHPR_API int krhpr_spatial_ups3_b_set_geometry(krhpr_spatial_ups3_b_geometry *g, const double fields[33])
 {
     for (int i = 0; i < 3; ++i) {
-        const double *leg = fields + 8 * i;
+        const double *leg = fields + 11 * i;
         g->subleg[i].azimuth = leg[0];
         g->subleg[i].R_b = leg[1];
         g->subleg[i].alpha = leg[2];
         g->subleg[i].l_1 = leg[3];
         g->subleg[i].r_g = leg[4];
-        g->platform[i].platform_azimuth = leg[5];
-        g->platform[i].R_p = leg[6];
-        g->platform[i].l_r = leg[7];
+        g->subleg[i].a_1 = leg[5];
+        g->subleg[i].a_2 = leg[6];
+        g->subleg[i].a_3 = leg[7];
+        g->platform[i].platform_azimuth = leg[8];
+        g->platform[i].R_p = leg[9];
+        g->platform[i].l_r = leg[10];
     }
     return krhpr_spatial_ups3_b_prepare(g);
 }
 
 KRHPR_API int krhpr_spatial_ups3_b_default_geometry(krhpr_spatial_ups3_b_geometry *g)
 {
-    static const double fields[24] = {
-        0.0, 0.25, 2.0943951023931953, 0.05, 0.12, 0.0, 0.125, 0.05,
-        2.0943951023931953, 0.25, 2.0943951023931953, 0.05, 0.12, 2.0943951023931953, 0.125, 0.05,
-        4.1887902047863905, 0.25, 2.0943951023931953, 0.05, 0.12, 4.1887902047863905, 0.125, 0.05
+    static const double fields[33] = {
+        0.0, 0.25, 2.0943951023931953, 0.05, 0.12, 0.0, 2.0943951023931953, 4.1887902047863905, 0.0, 0.125, 0.05,
+        2.0943951023931953, 0.25, 2.0943951023931953, 0.05, 0.12, 0.0, 2.0943951023931953, 4.1887902047863905, 2.0943951023931953, 0.125, 0.05,
+        4.1887902047863905, 0.25, 2.0943951023931953, 0.05, 0.12, 0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905, 0.125, 0.05
     };
     return krhpr_spatial_ups3_b_set_geometry(g, fields);
 }

@@ -38,8 +38,8 @@ KRHPR_API int krhpr_spatial_upu3_a_prepare(krhpr_spatial_upu3_a_geometry *g);
 /* The default sizes, prepared. */
 KRHPR_API int krhpr_spatial_upu3_a_default_geometry(krhpr_spatial_upu3_a_geometry *g);
 
-/* All fields at once, prepared: for each leg azimuth, R_b, alpha, l_1, r_g, platform_azimuth, R_p, l_r. */
-KRHPR_API int krhpr_spatial_upu3_a_set_geometry(krhpr_spatial_upu3_a_geometry *g, const double fields[24]);
+/* All fields at once, prepared: for each leg azimuth, R_b, alpha, l_1, r_g, a_1, a_2, a_3, platform_azimuth, R_p, l_r. */
+KRHPR_API int krhpr_spatial_upu3_a_set_geometry(krhpr_spatial_upu3_a_geometry *g, const double fields[33]);
 
 KRHPR_API size_t krhpr_spatial_upu3_a_geometry_size(void);
 

@@ -561,15 +561,15 @@ static inline void krhpr_subleg_cpr3_passive(
     passive[3] = travel[1];
     passive[4] = passive_4;
     passive[5] = travel[2];
-    link[0] = 1.0;
-    link[1] = 0.0;
-    link[2] = 0.0;
-    link[3] = 0.0;
-    link[4] = 1.0;
-    link[5] = 0.0;
-    link[6] = 0.0;
-    link[7] = 0.0;
-    link[8] = 1.0;
+    link[0] = g->e_x[0];
+    link[1] = g->e_1[0];
+    link[2] = g->e_t[0];
+    link[3] = g->e_x[1];
+    link[4] = g->e_1[1];
+    link[5] = g->e_t[1];
+    link[6] = g->e_x[2];
+    link[7] = g->e_1[2];
+    link[8] = 0.0;
 }
 
 /* Joints of the (3-CPR) sub-leg, from the base to S_i.  (9 add) */

@@ -21,6 +21,9 @@ typedef struct {
     double r_g; /* radius of the circle of the centres g_k about c (m) */
     double L; /* arms (m) */
     double R; /* parallelograms (m) */
+    double a_1; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
+    double a_2; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
+    double a_3; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
     double c[3]; /* end of link i1 */
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
@@ -31,8 +34,8 @@ typedef struct {
 } krhpr_subleg_delta_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (15 add, 30 multiply, 3 divide, 1 square
- * root, 2 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (17 add, 37 multiply, 3 divide, 5 sine
+ * cosine) */
 static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
@@ -44,17 +47,15 @@ static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g)
     const double c_2 = g->l_1 * e_1_2;
     const double c_0 = t4 - t1 * (g->l_1 * e_t_1);
     const double c_1 = t5 - t1 * (g->l_1 * e_r_1);
-    const double side = 0.5 * sqrt(3.0);
-    const double t6 = e_r_1 * side;
-    const double t7 = e_t_1 * 0.5;
-    const double t8 = t6 + t7;
-    const double x_2_0 = -t8;
-    const double t9 = e_t_1 * side;
-    const double t10 = e_r_1 * 0.5;
-    const double x_2_1 = t9 - t10;
-    const double x_3_0 = t6 - t7;
-    const double t11 = t9 + t10;
-    const double x_3_1 = -t11;
+    double t6, t7; krhpr_sincos(g->a_1, &t6, &t7);
+    const double x_1_0 = e_t_1 * t7 - e_r_1 * t6;
+    const double x_1_1 = e_r_1 * t7 + e_t_1 * t6;
+    double t8, t9; krhpr_sincos(g->a_2, &t8, &t9);
+    const double x_2_0 = e_t_1 * t9 - e_r_1 * t8;
+    const double x_2_1 = e_r_1 * t9 + e_t_1 * t8;
+    double t10, t11; krhpr_sincos(g->a_3, &t10, &t11);
+    const double x_3_0 = e_t_1 * t11 - e_r_1 * t10;
+    const double x_3_1 = e_r_1 * t11 + e_t_1 * t10;
     const double k_0 = g->R * g->R;
     g->c[0] = t4 - g->l_1 * t2;
     g->c[1] = t5 - g->l_1 * t3;
@@ -68,17 +69,17 @@ static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g)
     g->e_t[0] = -e_r_1;
     g->e_t[1] = e_t_1;
     g->e_t[2] = 0.0;
-    g->g[0] = c_0 + g->r_g * e_t_1;
-    g->g[1] = c_1 + g->r_g * e_r_1;
+    g->g[0] = c_0 + g->r_g * x_1_0;
+    g->g[1] = c_1 + g->r_g * x_1_1;
     g->g[2] = c_2;
-    g->g[3] = c_0 - g->r_g * t8;
+    g->g[3] = c_0 + g->r_g * x_2_0;
     g->g[4] = c_1 + g->r_g * x_2_1;
     g->g[5] = c_2;
     g->g[6] = c_0 + g->r_g * x_3_0;
-    g->g[7] = c_1 - g->r_g * t11;
+    g->g[7] = c_1 + g->r_g * x_3_1;
     g->g[8] = c_2;
-    g->x[0] = e_t_1;
-    g->x[1] = e_r_1;
+    g->x[0] = x_1_0;
+    g->x[1] = x_1_1;
     g->x[2] = 0.0;
     g->x[3] = x_2_0;
     g->x[4] = x_2_1;
@@ -644,15 +645,15 @@ static inline void krhpr_subleg_delta_passive(
     const double size_2 = sqrt(q_2_0 * q_2_0 + w[5] * w[5]);
     const double q_3_0 = g->x[6] * w[6] + g->x[7] * w[7]; /* parallelogram in the arm's plane */
     const double size_3 = sqrt(q_3_0 * q_3_0 + w[8] * w[8]);
-    link[0] = 1.0;
-    link[1] = 0.0;
-    link[2] = 0.0;
-    link[3] = 0.0;
-    link[4] = 1.0;
-    link[5] = 0.0;
-    link[6] = 0.0;
-    link[7] = 0.0;
-    link[8] = 1.0;
+    link[0] = g->e_x[0];
+    link[1] = g->e_1[0];
+    link[2] = g->e_t[0];
+    link[3] = g->e_x[1];
+    link[4] = g->e_1[1];
+    link[5] = g->e_t[1];
+    link[6] = g->e_x[2];
+    link[7] = g->e_1[2];
+    link[8] = 0.0;
     tail_y[0] = w[2] * u[0] - u[1] * q_1_0;
     tail_y[1] = g->x[0] * w[1] - g->x[1] * w[0];
     tail_y[2] = w[5] * u[2] - u[3] * q_2_0;

@@ -18,6 +18,9 @@ typedef struct {
     double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
     double l_1; /* link i1, along the first axis (m) */
     double r_g; /* radius of the circle of the centres g_k about c (m) */
+    double a_1; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
+    double a_2; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
+    double a_3; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
     double c[3]; /* end of link i1 */
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
@@ -27,8 +30,8 @@ typedef struct {
 } krhpr_subleg_ups3_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (22 add, 43 multiply, 3 divide, 1 square
- * root, 2 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (24 add, 50 multiply, 3 divide, 5 sine
+ * cosine) */
 static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
@@ -40,24 +43,26 @@ static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g)
     const double c_2 = g->l_1 * e_1_2;
     const double c_0 = t4 - t1 * (g->l_1 * e_t_1);
     const double c_1 = t5 - t1 * (g->l_1 * e_r_1);
-    const double side = 0.5 * sqrt(3.0);
-    const double t6 = e_r_1 * side;
-    const double t7 = e_t_1 * 0.5;
-    const double t8 = e_t_1 * side;
-    const double t9 = e_r_1 * 0.5;
-    const double x_2_1 = t8 - t9;
-    const double x_3_0 = t6 - t7;
-    const double g_00 = c_0 + g->r_g * e_t_1;
-    const double g_01 = c_1 + g->r_g * e_r_1;
-    const double g_10 = c_0 - g->r_g * (t6 + t7);
+    double t6, t7; krhpr_sincos(g->a_1, &t6, &t7);
+    const double x_1_0 = e_t_1 * t7 - e_r_1 * t6;
+    const double x_1_1 = e_r_1 * t7 + e_t_1 * t6;
+    double t8, t9; krhpr_sincos(g->a_2, &t8, &t9);
+    const double x_2_0 = e_t_1 * t9 - e_r_1 * t8;
+    const double x_2_1 = e_r_1 * t9 + e_t_1 * t8;
+    double t10, t11; krhpr_sincos(g->a_3, &t10, &t11);
+    const double x_3_0 = e_t_1 * t11 - e_r_1 * t10;
+    const double x_3_1 = e_r_1 * t11 + e_t_1 * t10;
+    const double g_00 = c_0 + g->r_g * x_1_0;
+    const double g_01 = c_1 + g->r_g * x_1_1;
+    const double g_10 = c_0 + g->r_g * x_2_0;
     const double g_11 = c_1 + g->r_g * x_2_1;
     const double g_20 = c_0 + g->r_g * x_3_0;
-    const double g_21 = c_1 - g->r_g * (t8 + t9);
-    const double t10 = g_10 - g_00;
-    const double t11 = g_11 - g_01;
-    const double t12 = g_20 - g_00;
-    const double t13 = g_21 - g_01;
-    const double k_1 = t10 * t13 - t11 * t12;
+    const double g_21 = c_1 + g->r_g * x_3_1;
+    const double t12 = g_10 - g_00;
+    const double t13 = g_11 - g_01;
+    const double t14 = g_20 - g_00;
+    const double t15 = g_21 - g_01;
+    const double k_1 = t12 * t15 - t13 * t14;
     g->c[0] = t4 - g->l_1 * t2;
     g->c[1] = t5 - g->l_1 * t3;
     g->c[2] = c_2;
@@ -81,13 +86,13 @@ static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g)
     g->g[8] = c_2;
     g->k[0] = 0.0;
     g->k[1] = k_1;
-    g->k[2] = 0.5 * (t10 * t10) + 0.5 * (t11 * t11);
-    g->k[3] = 0.5 * (t12 * t12) + 0.5 * (t13 * t13);
-    g->k[4] = t13 * k_1;
-    g->k[5] = -t11 * k_1;
+    g->k[2] = 0.5 * (t12 * t12) + 0.5 * (t13 * t13);
+    g->k[3] = 0.5 * (t14 * t14) + 0.5 * (t15 * t15);
+    g->k[4] = t15 * k_1;
+    g->k[5] = -t13 * k_1;
     g->k[6] = 1.0 / (k_1 * k_1);
-    g->k[7] = -t12 * k_1;
-    g->k[8] = t10 * k_1;
+    g->k[7] = -t14 * k_1;
+    g->k[8] = t12 * k_1;
     g->k[9] = 1.0 / (g->r_g * (g->r_g * g->r_g));
     g->k[10] = 1.0 / g->r_g;
 }

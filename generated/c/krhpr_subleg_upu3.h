@@ -19,6 +19,9 @@ typedef struct {
     double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
     double l_1; /* link i1, along the first axis (m) */
     double r_g; /* radius of the circle of the centres g_k about c (m) */
+    double a_1; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
+    double a_2; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
+    double a_3; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
     double c[3]; /* end of link i1 */
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
@@ -29,8 +32,8 @@ typedef struct {
 } krhpr_subleg_upu3_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (22 add, 43 multiply, 3 divide, 1 square
- * root, 2 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (24 add, 50 multiply, 3 divide, 5 sine
+ * cosine) */
 static inline void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
@@ -42,23 +45,21 @@ static inline void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g)
     const double c_2 = g->l_1 * e_1_2;
     const double c_0 = t4 - t1 * (g->l_1 * e_t_1);
     const double c_1 = t5 - t1 * (g->l_1 * e_r_1);
-    const double side = 0.5 * sqrt(3.0);
-    const double t6 = e_r_1 * side;
-    const double t7 = e_t_1 * 0.5;
-    const double t8 = t6 + t7;
-    const double x_2_0 = -t8;
-    const double t9 = e_t_1 * side;
-    const double t10 = e_r_1 * 0.5;
-    const double x_2_1 = t9 - t10;
-    const double x_3_0 = t6 - t7;
-    const double t11 = t9 + t10;
-    const double x_3_1 = -t11;
-    const double g_00 = c_0 + g->r_g * e_t_1;
-    const double g_01 = c_1 + g->r_g * e_r_1;
-    const double g_10 = c_0 - g->r_g * t8;
+    double t6, t7; krhpr_sincos(g->a_1, &t6, &t7);
+    const double x_1_0 = e_t_1 * t7 - e_r_1 * t6;
+    const double x_1_1 = e_r_1 * t7 + e_t_1 * t6;
+    double t8, t9; krhpr_sincos(g->a_2, &t8, &t9);
+    const double x_2_0 = e_t_1 * t9 - e_r_1 * t8;
+    const double x_2_1 = e_r_1 * t9 + e_t_1 * t8;
+    double t10, t11; krhpr_sincos(g->a_3, &t10, &t11);
+    const double x_3_0 = e_t_1 * t11 - e_r_1 * t10;
+    const double x_3_1 = e_r_1 * t11 + e_t_1 * t10;
+    const double g_00 = c_0 + g->r_g * x_1_0;
+    const double g_01 = c_1 + g->r_g * x_1_1;
+    const double g_10 = c_0 + g->r_g * x_2_0;
     const double g_11 = c_1 + g->r_g * x_2_1;
     const double g_20 = c_0 + g->r_g * x_3_0;
-    const double g_21 = c_1 - g->r_g * t11;
+    const double g_21 = c_1 + g->r_g * x_3_1;
     const double t12 = g_10 - g_00;
     const double t13 = g_11 - g_01;
     const double t14 = g_20 - g_00;
@@ -85,8 +86,8 @@ static inline void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g)
     g->g[6] = g_20;
     g->g[7] = g_21;
     g->g[8] = c_2;
-    g->x[0] = e_t_1;
-    g->x[1] = e_r_1;
+    g->x[0] = x_1_0;
+    g->x[1] = x_1_1;
     g->x[2] = 0.0;
     g->x[3] = x_2_0;
     g->x[4] = x_2_1;
@@ -468,15 +469,15 @@ static inline void krhpr_subleg_upu3_passive(
     const double strut_3_0 = g->x[6] * w[7] - g->x[7] * w[6];
     const double t3 = g->x[6] * w[6] + g->x[7] * w[7];
     const double strut_3_n = sqrt(t3 * t3 + w[8] * w[8]);
-    link[0] = 1.0;
-    link[1] = 0.0;
-    link[2] = 0.0;
-    link[3] = 0.0;
-    link[4] = 1.0;
-    link[5] = 0.0;
-    link[6] = 0.0;
-    link[7] = 0.0;
-    link[8] = 1.0;
+    link[0] = g->e_x[0];
+    link[1] = g->e_1[0];
+    link[2] = g->e_t[0];
+    link[3] = g->e_x[1];
+    link[4] = g->e_1[1];
+    link[5] = g->e_t[1];
+    link[6] = g->e_x[2];
+    link[7] = g->e_1[2];
+    link[8] = 0.0;
     tail_y[0] = t1;
     tail_y[1] = strut_1_0;
     tail_y[2] = t2;

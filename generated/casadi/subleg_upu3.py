@@ -14,13 +14,16 @@ from typing import Any
 
 import casadi as ca
 
-FIELDS = ("azimuth", "R_b", "alpha", "l_1", "r_g", )
+FIELDS = ("azimuth", "R_b", "alpha", "l_1", "r_g", "a_1", "a_2", "a_3", )
 POSITIVE = ("R_b", "r_g", )
 
 
 def prepare(fields: Any) -> SimpleNamespace:
     """The fields, given by name, and what is computed from them once."""
     R_b = fields["R_b"]
+    a_1 = fields["a_1"]
+    a_2 = fields["a_2"]
+    a_3 = fields["a_3"]
     alpha = fields["alpha"]
     azimuth = fields["azimuth"]
     l_1 = fields["l_1"]
@@ -36,23 +39,24 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_2 = l_1 * e_1_2
     c_0 = t4 - t1 * (l_1 * e_t_1)
     c_1 = t5 - t1 * (l_1 * e_r_1)
-    side = 0.5 * ca.sqrt(3)
-    t6 = e_r_1 * side
-    t7 = e_t_1 * 0.5
-    t8 = t6 + t7
-    x_2_0 = -t8
-    t9 = e_t_1 * side
-    t10 = e_r_1 * 0.5
-    x_2_1 = t9 - t10
-    x_3_0 = t6 - t7
-    t11 = t9 + t10
-    x_3_1 = -t11
-    g_00 = c_0 + r_g * e_t_1
-    g_01 = c_1 + r_g * e_r_1
-    g_10 = c_0 - r_g * t8
+    t6 = ca.sin(a_1)
+    t7 = ca.cos(a_1)
+    x_1_0 = e_t_1 * t7 - e_r_1 * t6
+    x_1_1 = e_r_1 * t7 + e_t_1 * t6
+    t8 = ca.sin(a_2)
+    t9 = ca.cos(a_2)
+    x_2_0 = e_t_1 * t9 - e_r_1 * t8
+    x_2_1 = e_r_1 * t9 + e_t_1 * t8
+    t10 = ca.sin(a_3)
+    t11 = ca.cos(a_3)
+    x_3_0 = e_t_1 * t11 - e_r_1 * t10
+    x_3_1 = e_r_1 * t11 + e_t_1 * t10
+    g_00 = c_0 + r_g * x_1_0
+    g_01 = c_1 + r_g * x_1_1
+    g_10 = c_0 + r_g * x_2_0
     g_11 = c_1 + r_g * x_2_1
     g_20 = c_0 + r_g * x_3_0
-    g_21 = c_1 - r_g * t11
+    g_21 = c_1 + r_g * x_3_1
     t12 = g_10 - g_00
     t13 = g_11 - g_01
     t14 = g_20 - g_00
@@ -64,12 +68,15 @@ def prepare(fields: Any) -> SimpleNamespace:
         alpha=fields["alpha"],
         l_1=fields["l_1"],
         r_g=fields["r_g"],
+        a_1=fields["a_1"],
+        a_2=fields["a_2"],
+        a_3=fields["a_3"],
         c=(t4 - l_1 * t2, t5 - l_1 * t3, c_2,),
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
         g=(g_00, g_01, c_2, g_10, g_11, c_2, g_20, g_21, c_2,),
-        x=(e_t_1, e_r_1, 0, x_2_0, x_2_1, 0, x_3_0, x_3_1, 0,),
+        x=(x_1_0, x_1_1, 0, x_2_0, x_2_1, 0, x_3_0, x_3_1, 0,),
         k=(0, k_1, 0.5 * (t12 * t12) + 0.5 * (t13 * t13), 0.5 * (t14 * t14) + 0.5 * (t15 * t15), t15 * k_1, -t13 * k_1, 1 / (k_1 * k_1), -t14 * k_1, t12 * k_1, 1 / (r_g * (r_g * r_g)), 1 / r_g,),
     )
 
@@ -507,15 +514,15 @@ def passive(g: Any, w: Any) -> tuple[Any, ...]:
             ca.atan2(strut_3_0, strut_3_n),
         ),
         (  # link
-            1,
+            g.e_x[0],
+            g.e_1[0],
+            g.e_t[0],
+            g.e_x[1],
+            g.e_1[1],
+            g.e_t[1],
+            g.e_x[2],
+            g.e_1[2],
             0,
-            0,
-            0,
-            1,
-            0,
-            0,
-            0,
-            1,
         ),
     )
 

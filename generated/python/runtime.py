@@ -211,14 +211,14 @@ def repeat(step: Callable[[Any], Any], start: Any, tolerance: float, limit: int)
 
     What has converged is left as it is.  Returns the last state and its change.
     """
-    state, change = start, np.full((), np.inf)
-    for _ in range(limit):
-        goes_on = ~(change <= tolerance)
+    state, (change,) = step(start)
+    for _ in range(limit - 1):
+        goes_on = ~(np.asarray(change) <= tolerance)
+        if not goes_on.any():
+            break
         after, (moved,) = step(state)
         state = tuple(np.where(goes_on, new, old) for new, old in zip(after, state, strict=True))
         change = np.where(goes_on, moved, change)
-        if (change <= tolerance).all():
-            break
     return state, (change,)
 
 

@@ -462,7 +462,7 @@ SIGNATURES = {
             rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
         ),
         (
-            rt.Port("passive", (3, 6), "rad", "joint", "passive joints within the sub-leg", "stacked", ("turn_1", "travel_1", "turn_2", "travel_2", "turn_3", "travel_3", )),
+            rt.Port("passive", (3, 6), "rad or m", "joint", "passive joints within the sub-leg", "stacked", ("turn_1", "travel_1", "turn_2", "travel_2", "turn_3", "travel_3", )),
             rt.Port("spherical", (3, 3, 3), "1", "joint", "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)", "stacked", ()),
             rt.Port("platform_joint", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "stacked", ()),
         ),
@@ -1189,8 +1189,8 @@ def passive_joints(
         status: whether to return the status codes as well.
 
     Returns:
-        passive (..., 3, 6) [rad]: passive joints within the sub-leg [turn_1, travel_1, turn_2,
-            travel_2, turn_3, travel_3]
+        passive (..., 3, 6) [rad or m]: passive joints within the sub-leg [turn_1, travel_1,
+            turn_2, travel_2, turn_3, travel_3]
         spherical (..., 3, 3, 3): spherical joint at S_i as a rotation: redundant link (x from
             S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
         platform_joint (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed

@@ -581,15 +581,15 @@ def passive(g: Any, w: Any, travel: Any) -> tuple[Any, ...]:
             travel_2,
         ),
         (  # link
-            1,
+            g.e_x[0],
+            g.e_1[0],
+            g.e_t[0],
+            g.e_x[1],
+            g.e_1[1],
+            g.e_t[1],
+            g.e_x[2],
+            g.e_1[2],
             0,
-            0,
-            0,
-            1,
-            0,
-            0,
-            0,
-            1,
         ),
     )
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-FIELDS = ("azimuth", "R_b", "alpha", "l_1", "r_g", "L", "R", )
+FIELDS = ("azimuth", "R_b", "alpha", "l_1", "r_g", "L", "R", "a_1", "a_2", "a_3", )
 POSITIVE = ("R_b", "r_g", "L", "R", )
 
 
@@ -23,6 +23,9 @@ def prepare(fields: Any) -> SimpleNamespace:
     L = fields["L"]
     R = fields["R"]
     R_b = fields["R_b"]
+    a_1 = fields["a_1"]
+    a_2 = fields["a_2"]
+    a_3 = fields["a_3"]
     alpha = fields["alpha"]
     azimuth = fields["azimuth"]
     l_1 = fields["l_1"]
@@ -38,17 +41,18 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_2 = l_1 * e_1_2
     c_0 = t4 - t1 * (l_1 * e_t_1)
     c_1 = t5 - t1 * (l_1 * e_r_1)
-    side = 0.5 * np.sqrt(3)
-    t6 = e_r_1 * side
-    t7 = e_t_1 * 0.5
-    t8 = t6 + t7
-    x_2_0 = -t8
-    t9 = e_t_1 * side
-    t10 = e_r_1 * 0.5
-    x_2_1 = t9 - t10
-    x_3_0 = t6 - t7
-    t11 = t9 + t10
-    x_3_1 = -t11
+    t6 = np.sin(a_1)
+    t7 = np.cos(a_1)
+    x_1_0 = e_t_1 * t7 - e_r_1 * t6
+    x_1_1 = e_r_1 * t7 + e_t_1 * t6
+    t8 = np.sin(a_2)
+    t9 = np.cos(a_2)
+    x_2_0 = e_t_1 * t9 - e_r_1 * t8
+    x_2_1 = e_r_1 * t9 + e_t_1 * t8
+    t10 = np.sin(a_3)
+    t11 = np.cos(a_3)
+    x_3_0 = e_t_1 * t11 - e_r_1 * t10
+    x_3_1 = e_r_1 * t11 + e_t_1 * t10
     k_0 = R * R
     return SimpleNamespace(
         azimuth=fields["azimuth"],
@@ -58,12 +62,15 @@ def prepare(fields: Any) -> SimpleNamespace:
         r_g=fields["r_g"],
         L=fields["L"],
         R=fields["R"],
+        a_1=fields["a_1"],
+        a_2=fields["a_2"],
+        a_3=fields["a_3"],
         c=(t4 - l_1 * t2, t5 - l_1 * t3, c_2,),
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        g=(c_0 + r_g * e_t_1, c_1 + r_g * e_r_1, c_2, c_0 - r_g * t8, c_1 + r_g * x_2_1, c_2, c_0 + r_g * x_3_0, c_1 - r_g * t11, c_2,),
-        x=(e_t_1, e_r_1, 0, x_2_0, x_2_1, 0, x_3_0, x_3_1, 0,),
+        g=(c_0 + r_g * x_1_0, c_1 + r_g * x_1_1, c_2, c_0 + r_g * x_2_0, c_1 + r_g * x_2_1, c_2, c_0 + r_g * x_3_0, c_1 + r_g * x_3_1, c_2,),
+        x=(x_1_0, x_1_1, 0, x_2_0, x_2_1, 0, x_3_0, x_3_1, 0,),
         k=(k_0, L * L, 1 / L, 1 / (R * k_0), 1 / (L * R),),
     )
 
@@ -700,15 +707,15 @@ def passive(g: Any, w: Any, u: Any) -> tuple[Any, ...]:
             np.arctan2(g.x[6] * w_21 - g.x[7] * w_20, size_3),
         ),
         (  # link
-            1,
+            g.e_x[0],
+            g.e_1[0],
+            g.e_t[0],
+            g.e_x[1],
+            g.e_1[1],
+            g.e_t[1],
+            g.e_x[2],
+            g.e_1[2],
             0,
-            0,
-            0,
-            1,
-            0,
-            0,
-            0,
-            1,
         ),
     )
 

@@ -16,7 +16,7 @@ from typing import Any
 from krhpr.codegen.evaluate import Arithmetic
 from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.validation.arithmetic import BALLS, RATIONAL
-from krhpr.validation.draw import Draw
+from krhpr.validation.draw import Draw, euler_rotation
 from krhpr.validation.linear import dot, minus
 from krhpr.validation.numbers import Angle, Ball, Exact, same
 from krhpr.validation.sampling import draw
@@ -110,11 +110,18 @@ def _in_balls(subject: Subject, source: Draw) -> Configuration:
         phi = values["phi"][0]
         values["Q"] = [phi.cos(), -phi.sin(), phi.sin(), phi.cos()]
     else:
-        values["Q"] = [Ball(x) for x in source.rotation()]
+        values["Q"] = [Ball(x) for x in rational_rotation(batch.values["Q"][0])]
     here = Configuration(subject, BALLS, geometry, values)
     values["s"] = here.call("end_points")["s"]
     values["theta"] = here.call("inverse")["theta"]
     return _with_assembly(here)
+
+
+def rational_rotation(Q: Any) -> list[Any]:
+    """An exact rotation next to Q (less than a half turn), row by row."""
+    # Euler parameters times 4 a, in doubles; their norm does not matter
+    parameters = (1 + Q[0][0] + Q[1][1] + Q[2][2], Q[2][1] - Q[1][2], Q[0][2] - Q[2][0], Q[1][0] - Q[0][1])
+    return euler_rotation(*(Exact(repr(float(x))) for x in parameters))
 
 
 def _with_assembly(here: Configuration) -> Configuration:

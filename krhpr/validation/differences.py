@@ -18,9 +18,9 @@ from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.sampling import Batch, draw, rotations
 from krhpr.validation.subject import Subject
 
-STEP = 3e-5
-"""Metres, radians or seconds.  Truncation is (STEP / distance to a singularity)^4, rounding 1e-16 / STEP."""
-SECOND_STEP = 3e-4
+STEP = 5e-6
+"""Metres, radians or seconds.  Truncation is (STEP / distance to a singularity)^6, rounding 1e-16 / STEP."""
+SECOND_STEP = 1.5e-4
 
 Body = Callable[[Numeric, Batch, Measured], None]
 
@@ -61,17 +61,17 @@ def call(one: Numeric, batch: Batch, name: str, **values: Any) -> dict[str, Floa
 def quotient(
     values: Callable[[float], Floats], gap: Callable[[Floats, Floats], Floats] = np.subtract
 ) -> Floats:
-    """The derivative at zero by central differences of fourth order."""
-    near, far = (gap(values(k * STEP), values(-k * STEP)) for k in (1, 2))
-    result: Floats = (8 * near - far) / (12 * STEP)
+    """The derivative at zero by central differences of sixth order."""
+    first, second, third = (gap(values(k * STEP), values(-k * STEP)) for k in (1, 2, 3))
+    result: Floats = (45 * first - 9 * second + third) / (60 * STEP)
     return result
 
 
 def second_quotient(values: Callable[[float], Floats], gap: Callable[[Floats, Floats], Floats]) -> Floats:
-    """The second derivative at zero by central differences of fourth order."""
+    """The second derivative at zero by central differences of sixth order."""
     h, here = SECOND_STEP, values(0.0)
-    near, far = (gap(values(k * h), here) - gap(here, values(-k * h)) for k in (1, 2))
-    result: Floats = (16 * near - far) / (12 * h**2)
+    first, second, third = (gap(values(k * h), here) - gap(here, values(-k * h)) for k in (1, 2, 3))
+    result: Floats = (270 * first - 27 * second + 2 * third) / (180 * h**2)
     return result
 
 
@@ -169,7 +169,8 @@ def m_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
         slope = np.stack(columns, axis=-1)
         scale = np.abs(M).max(axis=(-2, -1)) * np.abs(slope).max(axis=(-2, -1)) * n
         gap = np.abs(M @ slope - np.eye(s.shape[-1])).max(axis=(-2, -1))
-        found.worse(gap / scale, f"mode {one.subject.code.mode_labels[mode]}")
+        fit = batch.values["fit"][:, :, mode]
+        found.worse(np.where(fit, gap / scale, 0.0), f"mode {one.subject.code.mode_labels[mode]}")
 
 
 def _columns_of_j(one: Numeric, batch: Batch) -> Floats:

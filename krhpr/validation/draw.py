@@ -14,6 +14,17 @@ from krhpr.codegen.kernel import LEGS, GeometryType, Port, Unit
 from krhpr.validation.numbers import Angle, Exact
 
 
+def euler_rotation(a: Any, b: Any, c: Any, d: Any) -> list[Any]:
+    """The rotation with the Euler parameters (a, b, c, d), whatever their norm, row by row."""
+    norm = a * a + b * b + c * c + d * d
+    rows = (
+        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
+        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
+        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
+    )
+    return [entry / norm for row in rows for entry in row]
+
+
 class FiniteAngle(Angle):
     """An angle that C's test for finite numbers accepts: its size is unknown, but it is not infinite."""
 
@@ -65,14 +76,7 @@ class Draw:
         if dimension == 2:
             angle = self.angle()
             return [angle.cos(), -angle.sin(), angle.sin(), angle.cos()]
-        a, b, c, d = (self.nonzero() for _ in range(4))
-        norm = a * a + b * b + c * c + d * d
-        rows = (
-            (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
-            (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
-            (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
-        )
-        return [entry / norm for row in rows for entry in row]
+        return euler_rotation(*(self.nonzero() for _ in range(4)))
 
     def vector(self, count: int) -> list[Any]:
         """Rational numbers."""

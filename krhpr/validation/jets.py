@@ -47,6 +47,9 @@ class Jet:
     def __repr__(self) -> str:
         return f"Jet{self.c!r}"
 
+    def __abs__(self) -> Jet:
+        return self if self.value > 0 else -self
+
     def __add__(self, other: Any) -> Jet:
         a, b = self.c, _jet(other).c
         return Jet(a[0] + b[0], a[1] + b[1], a[2] + b[2])

@@ -28,7 +28,9 @@ def nearest_modes(subject: Subject, check: Check, count: int) -> Measured:
     for index in range(count):
         batch = draw(subject, check.seed + index, 1)
         path = _closed_path(batch, np.random.default_rng(check.seed + index))
-        modes = list(range(len(subject.code.mode_signs)))
+        modes = np.flatnonzero(batch.values["fit"][0].all(axis=0)).tolist()
+        if not modes:
+            continue
         crossings += _follow(one, path, modes, found)
         found.samples += 1
         _turns(one, path, modes, found, np.random.default_rng(check.seed + index))
@@ -77,9 +79,9 @@ def _inverse(one: Numeric, path: Batch, modes: list[int]) -> Floats:
     values: dict[str, Any] = dict(path.values)
     values["mode"] = np.broadcast_to(signs[:, None, None], (len(modes), len(path), LEGS, signs.shape[-1]))
     function = one.subject.code.function("inverse")
-    return one.call("inverse", {port.name: values[port.name] for port in function.inputs}, path.geometry)[
-        "theta"
-    ]
+    arguments = {port.name: values[port.name] for port in function.inputs}
+    theta = one.call("inverse", arguments, path.geometry)["theta"]
+    return theta if "mode" in arguments else theta[None]
 
 
 def _turned(path: Batch, angle: float) -> Batch:

@@ -56,9 +56,9 @@ REASONS = {
     "singular factors are above 0.1",
     ROUND_TRIP: "the same through several functions, times the condition of matrices inverted on the way; "
     "references have fifteen digits",
-    FIRST: "central differences of fourth order, step 3e-5: rounding is 1e-11 of the scale, and truncation "
-    "grows with the fourth power of step over distance to a singularity",
-    SECOND: "second differences of fourth order, step 3e-4: rounding alone is 1e-8 of the scale",
+    FIRST: "central differences of sixth order, step 5e-6: rounding is 1e-10 of the scale, and truncation "
+    "grows with the sixth power of step over distance to a singularity",
+    SECOND: "second differences of sixth order, step 1.5e-4: rounding alone is 1e-7 of the scale",
 }
 """Why each tolerance is what it is."""
 

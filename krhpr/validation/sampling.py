@@ -1,5 +1,5 @@
 """Random configurations of a robot in doubles: consistent, reachable in every working mode, and well
-conditioned.
+conditioned in that of each leg; `fit` (count, 3, modes) says in which others they are well conditioned too.
 
 They are drawn with the derivation itself, evaluated on arrays, not with any generated function.
 """
@@ -168,10 +168,16 @@ def _complete(
     values = {**values, **evaluate(subject, "end_points", values, geometry)}
     every = evaluate(subject, "subleg_inverse", values, geometry)["theta"]
     count, modes = len(values["p"]), len(subject.code.mode_signs)
-    good = np.isfinite(every).all(axis=(1, 2, 3))
-    for mode in range(modes):
-        good &= _conditioned(subject, {**values, "theta": every[:, :, mode]}, geometry)
-    chosen = rng.integers(modes, size=(count, LEGS))
+    fit = np.stack(
+        [_conditioned(subject, {**values, "theta": every[:, :, mode]}, geometry) for mode in range(modes)], -1
+    )
+    values["fit"] = fit
+    good = np.isfinite(every).all(axis=(1, 2, 3)) & fit.any(axis=-1).all(axis=-1)
+    good &= (_regularity(subject, {**values, "theta": every[:, :, 0]}, geometry) > (CONDITION / 5) ** 2).all(
+        axis=1
+    )
+    # each leg in any of the modes that are fit for checks
+    chosen = np.argmax(rng.random((count, LEGS, modes)) * fit, axis=-1)
     rows, legs = np.arange(count)[:, None], np.arange(LEGS)[None, :]
     values["theta"] = every[rows, legs, chosen]
     values["mode"] = np.array(subject.code.mode_signs, dtype=float)[chosen]
@@ -185,11 +191,9 @@ def _complete(
 
 
 def _conditioned(subject: Subject, values: Values, geometry: Mapping[str, Any]) -> Any:
-    """Whether legs and platform are far enough from singularities."""
+    """Whether each leg is far enough from its singularities."""
     found = evaluate(subject, "singularity", values, geometry)
-    good = (np.abs(found["factors"]) > CONDITION).all(axis=(1, 2))
-    regular = _regularity(subject, values, geometry)
-    return good & (regular > (CONDITION / 5) ** 2).all(axis=1)
+    return (np.abs(found["factors"]) > CONDITION).all(axis=2)
 
 
 def _regularity(subject: Subject, values: Values, geometry: Mapping[str, Any]) -> Floats:

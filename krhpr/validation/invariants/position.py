@@ -48,11 +48,11 @@ def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
             ends = call(one, batch, "subleg_forward", theta=every[:, :, mode], **assembly)["s"]
             errors.append(np.abs(ends - s).max(axis=-1) / np.abs(s).max(axis=-1))
         ordered = np.sort(np.nan_to_num(errors, nan=np.inf), axis=0)
-        found.worse(ordered[0], f"mode {label}")
+        fit = batch.values["fit"][:, :, mode]
+        found.worse(np.where(fit, ordered[0], 0.0), f"mode {label}")
         if len(ordered) > 1:
-            found.worse(
-                np.where(ordered[1] > 1e-6, 0.0, 1.0), f"two assembly modes are the same in mode {label}"
-            )
+            same = fit & ~(ordered[1] > 1e-6)
+            found.worse(same.astype(float), f"two assembly modes are the same in mode {label}")
 
 
 def inverse_after_forward(one: Numeric, batch: Batch, found: Measured) -> None:

@@ -160,6 +160,8 @@ def power_of_length(subject: Subject, port: Port) -> Any:
     """The power of length that a port's elements have, broadcast over its shape; None where its unit
     leaves it open.
     """
+    if port.name == "passive":
+        return np.array([int(joint.kind != "revolute") for joint in subject.subleg.passive_joints])
     if port.unit in _POWERS:
         return _POWERS[port.unit]
     if port.unit in _TWISTS:

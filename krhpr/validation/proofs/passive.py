@@ -72,6 +72,12 @@ def _base(leg: Leg) -> thesis.Axes:
     return thesis.axes(leg.g, None)
 
 
+def _keeps_orientation(leg: Leg) -> None:
+    """A platform that only translates stands as the leg frame does."""
+    at = _base(leg)
+    leg.found.equal(transpose(matrix(leg.link, 3)), [at.x, at.e_1, at.e_2], "orientation of the platform")
+
+
 # -- linkages on carriers ----------------------------------------------------------------------------
 
 
@@ -139,12 +145,9 @@ def _rrrr(leg: Leg) -> None:
 
 
 def _around(leg: Leg) -> list[Vector]:
-    """Radial directions at the leg's azimuth, +120 and +240 deg."""
-    r = [leg.g["azimuth"].cos(), leg.g["azimuth"].sin(), Exact(0)]
-    t = cross(Z, r)
-    side = (Exact(3) * leg.s[0] / leg.s[0]).sqrt() / 2
-    half = scaled(Exact(-1) / 2, r)
-    return [r, plus(half, scaled(side, t)), minus(half, scaled(side, t))]
+    """Radial directions of the centres."""
+    angles = [leg.g["azimuth"] + leg.g[f"a_{k}"] for k in (1, 2, 3)]
+    return [[angle.cos(), angle.sin(), Exact(0)] for angle in angles]
 
 
 def _strut(
@@ -172,7 +175,7 @@ def _upu3(leg: Leg) -> None:
         base = plus(at.c, scaled(leg.g["r_g"], out))
         frame = (cross(Z, out), scaled(-1, out), Z)
         _strut(leg, base, leg.theta[k], *leg.passive[2 * k : 2 * k + 2], frame)
-    leg.found.equal(matrix(leg.link, 3), identity(3), "the platform keeps its orientation")
+    _keeps_orientation(leg)
 
 
 def _delta(leg: Leg) -> None:
@@ -182,7 +185,7 @@ def _delta(leg: Leg) -> None:
         arm = plus(scaled(g["r_g"], out), scaled(g["L"], _direction(leg.theta[k], out, Z)))
         rod = _direction(lean, _direction(leg.theta[k] + knee, out, Z), cross(Z, out))
         leg.meets(plus(at.c, plus(arm, scaled(g["R"], rod))))
-    leg.found.equal(matrix(leg.link, 3), identity(3), "the platform keeps its orientation")
+    _keeps_orientation(leg)
 
 
 def _cpr3(leg: Leg) -> None:
@@ -197,7 +200,7 @@ def _cpr3(leg: Leg) -> None:
         out = thesis.turned(e, turn, zero)
         axis = plus(plus(at.c, offset), scaled(travel, e))
         leg.meets(plus(axis, scaled(leg.theta[k - 1], out)))
-    leg.found.equal(matrix(leg.link, 3), identity(3), "the platform keeps its orientation")
+    _keeps_orientation(leg)
 
 
 def _tripteron(leg: Leg) -> None:
@@ -210,7 +213,7 @@ def _tripteron(leg: Leg) -> None:
         second = scaled(g["l_3"], _direction(hinge + elbow, *plane))
         slider = plus(at.c, scaled(leg.theta[k], axes[k]))
         leg.meets(plus(slider, plus(first, second)))
-    leg.found.equal(matrix(leg.link, 3), identity(3), "the platform keeps its orientation")
+    _keeps_orientation(leg)
 
 
 # -- in the plane ------------------------------------------------------------------------------------
