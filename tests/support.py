@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,15 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = {"derivations": "derivations", "templates": "templates", "generated": "generated"}
+
+
+def cover(robots: Sequence[str]) -> tuple[str, ...]:
+    """One robot of each sub-leg, the arrangements in turns: every part is among theirs."""
+    by_subleg: dict[str, list[str]] = {}
+    for robot in robots:
+        by_subleg.setdefault(robot.rpartition("_")[0], []).append(robot)
+    return tuple(found[place % len(found)] for place, found in enumerate(by_subleg.values()))
+
 
 COMPILERS = {"cc": ".c", "gcc": ".c", "clang": ".c", "c++": ".cpp", "g++": ".cpp", "clang++": ".cpp"}
 """Compilers that tests call by name, and the ending of what they compile."""

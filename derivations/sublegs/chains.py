@@ -114,8 +114,8 @@ def triad_geometry(
 ) -> GeometryType:
     """A leg frame, and three centres g_k about c on a horizontal circle.
 
-    The field named `radius` is the circle's; g_k stands at the angle a_k from the leg's radial direction.  With
-    `directions`, the radial direction x_k of each centre is prepared as well.
+    The field named `radius` is the circle's; g_k stands at the angle a_k from the leg's radial direction.
+    With `directions`, the radial direction x_k of each centre is prepared as well.
     """
     angles = tuple(
         GeometryField(f"a_{k}", Unit.RADIAN, f"azimuth of g_{k} about c, from the leg's radial direction")

@@ -237,13 +237,18 @@ PLANAR_BASE = (
 AXES_DISTANCE = GeometryField("l_0", Unit.METRE, "distance of the two base joints, along e_t")
 
 
+RADIAL = ""
+"""The leg's radial direction, among the directions of a planar geometry."""
+
+
 def planar_geometry(
     name: str, doc: str, lengths: tuple[GeometryField, ...], slides: tuple[str, ...] = ()
 ) -> GeometryType:
     """Geometry of a planar leg: its fields, and its base joint o prepared.
 
     With a field `l_0` there are two base joints, o and o + o_12, half of it on either side of R_b e_r along
-    e_t. For each field named in `slides`, an angle from e_r, the direction is prepared as e_1, e_2, ...
+    e_t.  For each field named in `slides`, an angle from e_r, the direction is prepared as e_1, e_2, ...;
+    `RADIAL` stands for e_r itself.
     """
     fields = (*PLANAR_BASE, *lengths)
     k, symbols = begin_geometry(fields)
@@ -256,6 +261,7 @@ def planar_geometry(
     else:
         k.output("o", o, Unit.METRE, Frame.BASE, "base joint")
     for index, field in enumerate(slides, start=1):
-        direction = in_plane(symbols["azimuth"] + symbols[field])
-        k.output(f"e_{index}", direction, Unit.NONE, Frame.BASE, f"direction of slide {index}")
+        turned = symbols["azimuth"] + symbols[field] if field else symbols["azimuth"]
+        what = f"direction of slide {index}" if field else "radial direction"
+        k.output(f"e_{index}", in_plane(turned), Unit.NONE, Frame.BASE, what)
     return GeometryType(name, doc, fields, k.kernel())

@@ -15,7 +15,7 @@ from krhpr.derivations.sublegs.base import Forward
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row
 from krhpr.derivations.sublegs.circles import meet
 from krhpr.derivations.sublegs.five_bar import FiveBar
-from krhpr.derivations.sublegs.linkages import AXES_DISTANCE, PlanarLinkage, planar_geometry
+from krhpr.derivations.sublegs.linkages import AXES_DISTANCE, RADIAL, PlanarLinkage, planar_geometry
 from krhpr.derivations.sublegs.planar_serial import slide_field
 from krhpr.derivations.terms import Joint, JointKind, Link, LinkKind, Sign, Space
 from krhpr.derivations.vectors import cross2, dot
@@ -45,8 +45,8 @@ class PlanarFiveBar(PlanarLinkage):
     inverse_signs = linkage.signs
     forward_signs = linkage.forward_signs
     links = linkage.links("A")
-    default_mode = "elbow+/rod-"
-    default_assembly = "left"
+    default_mode = "elbow+/rod+"
+    default_assembly = "right"
 
 
 class PlanarFiveBarCoupler(PlanarFiveBar):
@@ -62,7 +62,6 @@ class PlanarFiveBarCoupler(PlanarFiveBar):
     passive_joints = linkage.passive_joints
     forward_signs = linkage.forward_signs
     links = linkage.links("A")
-    default_mode = "elbow+/rod+"
 
 
 class PlanarPair(ChainSubLeg):
@@ -187,14 +186,14 @@ class RPR2(PlanarPair):
         Joint("rho_2", JointKind.PRISMATIC, "length of the second strut"),
     )
     passive_joints = (
-        Joint("base_1", JointKind.REVOLUTE, "strut 1 on the base, from the x axis"),
-        Joint("base_2", JointKind.REVOLUTE, "strut 2 on the base, from the x axis"),
+        Joint("base_1", JointKind.REVOLUTE, "strut 1 on the base, from the leg's radial direction"),
+        Joint("base_2", JointKind.REVOLUTE, "strut 2 on the base, from the leg's radial direction"),
         Joint("meeting", JointKind.REVOLUTE, "strut 2 relative to strut 1, in r"),
     )
     links = (Link("rho_1", LinkKind.STRUT, "A", "S"), Link("rho_2", LinkKind.STRUT, "A_2", "S"))
 
     def geometry(self) -> GeometryType:
-        return planar_geometry(f"subleg_planar_{self.name}", self.doc, (AXES_DISTANCE,))
+        return planar_geometry(f"subleg_planar_{self.name}", self.doc, (AXES_DISTANCE,), (RADIAL,))
 
     def chains(self, k: KernelWriter, s: sp.Matrix, theta: sp.Matrix) -> list[Chain]:
         vectors = [k.let(f"w_{n}", s - base, f"strut {n}") for n, base in enumerate(self._bases(k), 1)]
@@ -214,7 +213,8 @@ class RPR2(PlanarPair):
         return [sp.sqrt(dot(s - base, s - base)) for base in self._bases(k)], []
 
     def passive_angles(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:
-        return [*(k.atan2(at.w[n, 1], at.w[n, 0]) for n in (0, 1)), *self._between(k, at)]
+        struts = (row(at.w, 0), row(at.w, 1))
+        return [*(k.atan2(cross2(k.g.e_1, w), dot(k.g.e_1, w)) for w in struts), *self._between(k, at)]
 
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         first, second = self._bases(k)

@@ -102,10 +102,12 @@ class Tripteron(SubLeg):
         return {"rho": theta}
 
     def velocity(self, k: KernelWriter, at: SimpleNamespace) -> VelocityEquations:
-        scale = 2 * k.g.l_2 * k.g.l_3
+        scale = (2 * k.g.l_2 * k.g.l_3) ** 2
         stretched = tuple(
             Factor(
-                f"links_{n}", sp.sqrt(value) / scale, f"links of slide {n} aligned: the end of their reach"
+                f"links_{n}",
+                value / scale,
+                f"links of slide {n} aligned, the end of their reach (sine squared)",
             )
             for n, value in zip(SLIDES, self._radicands(k, at.rho), strict=True)
         )

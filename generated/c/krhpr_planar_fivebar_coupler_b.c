@@ -8,7 +8,7 @@
 #include "krhpr_algebra_planar.h"
 
 static const double mode_default[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
-static const double assembly_default[3] = {1.0, 1.0, 1.0};
+static const double assembly_default[3] = {-1.0, -1.0, -1.0};
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_prepare(krhpr_planar_fivebar_coupler_b_geometry *g)
 {

@@ -396,9 +396,10 @@ KRHPR_API int krhpr_spatial_tripteron_a_link_points_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [rho_1, rho_2, rho_3]
  *   out    type_1 (3, mixed): det M_i
- *   out    factors (3 x 3): factors of det M_i (links_1: links of slide 1 aligned: the end of their reach;
- *          links_2: links of slide 2 aligned: the end of their reach; links_3: links of slide 3 aligned:
- *          the end of their reach) [links_1, links_2, links_3]
+ *   out    factors (3 x 3): factors of det M_i (links_1: links of slide 1 aligned, the end of their reach
+ *          (sine squared); links_2: links of slide 2 aligned, the end of their reach (sine squared);
+ *          links_3: links of slide 3 aligned, the end of their reach (sine squared)) [links_1, links_2,
+ *          links_3]
  *   out    type_2 (2, mixed, platform frame): factors of det J [det J_a, det J_n]
  *   out    margins (2, mixed): -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive
  *          for beta in (30, 150) deg [det J_a, det J_n]

@@ -18,6 +18,7 @@ typedef struct {
     double l_0; /* distance of the two base joints, along e_t (m) */
     double o[2]; /* first base joint */
     double o_12[2]; /* from the first base joint to the second */
+    double e_1[2]; /* radial direction */
     double k[6]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rpr2_geometry;
 
@@ -37,6 +38,8 @@ static inline void krhpr_subleg_planar_rpr2_prepare(krhpr_subleg_planar_rpr2_geo
     g->o[1] = o_1;
     g->o_12[0] = apart_0;
     g->o_12[1] = apart_1;
+    g->e_1[0] = e_r_0;
+    g->e_1[1] = e_r_1;
     g->k[0] = k_0;
     g->k[1] = 1.0 / k_0;
     g->k[2] = 1.0 / (g->R_b * g->R_b);
@@ -254,22 +257,21 @@ static inline void krhpr_subleg_planar_rpr2_determinant(
     factors[2] = volume * g->k[2];
 }
 
-/* Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (3 add, 8 multiply, 1
+/* Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_passive(
     const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    (void)(g);
     const double size = sqrt(w[0] * w[0] + w[1] * w[1]);
     const double t1 = 1.0 / size;
     link[0] = w[0] * t1;
     link[1] = w[1] * t1;
-    tail_y[0] = w[1];
-    tail_y[1] = w[3];
+    tail_y[0] = g->e_1[0] * w[1] - g->e_1[1] * w[0];
+    tail_y[1] = g->e_1[0] * w[3] - g->e_1[1] * w[2];
     tail_y[2] = w[0] * w[3] - w[1] * w[2];
-    tail_x[0] = w[0];
-    tail_x[1] = w[2];
+    tail_x[0] = g->e_1[0] * w[0] + g->e_1[1] * w[1];
+    tail_x[1] = g->e_1[0] * w[2] + g->e_1[1] * w[3];
     tail_x[2] = w[0] * w[2] + w[1] * w[3];
 }
 

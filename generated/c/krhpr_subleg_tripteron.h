@@ -40,6 +40,8 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     const double t6 = e_t_1 * t2 + e_r_1 * t3;
     const double t7 = g->l_2 - g->l_3;
     const double t8 = g->l_2 + g->l_3;
+    const double k_4 = g->l_2 * g->l_2;
+    const double k_5 = g->l_3 * g->l_3;
     g->c[0] = g->R_b * e_t_1 - g->l_1 * t2;
     g->c[1] = g->R_b * e_r_1 - g->l_1 * t3;
     g->c[2] = g->l_1 * e_1_2;
@@ -55,9 +57,9 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     g->k[0] = t7 * t7;
     g->k[1] = t8 * t8;
     g->k[2] = fabs(t7);
-    g->k[3] = 1.0 / (g->l_2 * g->l_3);
-    g->k[4] = g->l_2 * g->l_2;
-    g->k[5] = g->l_3 * g->l_3;
+    g->k[3] = 1.0 / (k_4 * k_5);
+    g->k[4] = k_4;
+    g->k[5] = k_5;
     g->k[6] = -t2 * 0.5;
     g->k[7] = -e_r_1 * 0.5;
     g->k[8] = -t3 * 0.5;
@@ -244,7 +246,7 @@ static inline void krhpr_subleg_tripteron_rates(
 }
 
 /* det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis:
- * 1.4.  (11 add, 12 multiply, 3 square root) */
+ * 1.4.  (11 add, 12 multiply) */
 static inline void krhpr_subleg_tripteron_determinant(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
@@ -254,9 +256,9 @@ static inline void krhpr_subleg_tripteron_determinant(
     const double t3 = rho[0] * rho[0];
     const double t4 = g->k[1] - t3;
     *det_M = 1.0;
-    factors[0] = 0.5 * sqrt((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2)) * g->k[3];
-    factors[1] = g->k[3] * (0.5 * sqrt((t2 + t3 - g->k[0]) * (t4 - t2)));
-    factors[2] = g->k[3] * (0.5 * sqrt((t1 + t3 - g->k[0]) * (t4 - t1)));
+    factors[0] = 0.25 * (t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2) * g->k[3];
+    factors[1] = g->k[3] * (0.25 * (t2 + t3 - g->k[0]) * (t4 - t2));
+    factors[2] = g->k[3] * (0.25 * (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
 /* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (27 add, 18 multiply, 3

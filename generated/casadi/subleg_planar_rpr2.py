@@ -36,6 +36,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_0=fields["l_0"],
         o=(o_0, o_1,),
         o_12=(apart_0, apart_1,),
+        e_1=(e_r_0, e_r_1,),
         k=(k_0, 1 / k_0, 1 / (R_b * R_b), 1 / R_b, o_0 - t1, apart_1 + o_1,),
     )
 
@@ -311,15 +312,15 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, w: Any) -> tuple[Any, ...]:
-    """Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (3 add, 8 multiply,
-    1 divide, 1 square root, 3 arctangent)"""
+    """Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (7 add, 16
+    multiply, 1 divide, 1 square root, 3 arctangent)"""
     w_00, w_01, w_10, w_11 = w
     size = ca.sqrt(w_00 * w_00 + w_01 * w_01)
     t1 = 1 / size
     return (
         (  # passive
-            ca.atan2(w_01, w_00),
-            ca.atan2(w_11, w_10),
+            ca.atan2(g.e_1[0] * w_01 - g.e_1[1] * w_00, g.e_1[0] * w_00 + g.e_1[1] * w_01),
+            ca.atan2(g.e_1[0] * w_11 - g.e_1[1] * w_10, g.e_1[0] * w_10 + g.e_1[1] * w_11),
             ca.atan2(w_00 * w_11 - w_01 * w_10, w_00 * w_10 + w_01 * w_11),
         ),
         (  # link

@@ -60,12 +60,12 @@ MODES: dict[str, tuple[int, ...]] = {
     "elbow-/rod+": (-1, 1),
     "elbow-/rod-": (-1, -1),
 }
-DEFAULT_MODE = "elbow+/rod-"
+DEFAULT_MODE = "elbow+/rod+"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
     "left": (1,),
     "right": (-1,),
 }
-DEFAULT_ASSEMBLY = "left"
+DEFAULT_ASSEMBLY = "right"
 ANGULAR = (True, True,)
 LINKS = (
     ("l_0", "fixed", "A", "A_2"),

@@ -66,7 +66,7 @@ ASSEMBLIES: dict[str, tuple[int, ...]] = {
     "left": (1,),
     "right": (-1,),
 }
-DEFAULT_ASSEMBLY = "left"
+DEFAULT_ASSEMBLY = "right"
 ANGULAR = (True, True,)
 LINKS = (
     ("l_0", "fixed", "A", "A_2"),

@@ -99,8 +99,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("meeting", "revolute"),
     ),
     "passive": (
-        ("base_1", "strut 1 on the base, from the x axis"),
-        ("base_2", "strut 2 on the base, from the x axis"),
+        ("base_1", "strut 1 on the base, from the leg's radial direction"),
+        ("base_2", "strut 2 on the base, from the leg's radial direction"),
         ("meeting", "strut 2 relative to strut 1, in r"),
     ),
     "swivel": (

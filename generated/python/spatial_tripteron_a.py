@@ -132,9 +132,9 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("beta", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'"),
     ),
     "singular factors": (
-        ("links_1", "links of slide 1 aligned: the end of their reach"),
-        ("links_2", "links of slide 2 aligned: the end of their reach"),
-        ("links_3", "links of slide 3 aligned: the end of their reach"),
+        ("links_1", "links of slide 1 aligned, the end of their reach (sine squared)"),
+        ("links_2", "links of slide 2 aligned, the end of their reach (sine squared)"),
+        ("links_3", "links of slide 3 aligned, the end of their reach (sine squared)"),
     ),
     "type II": (
         ("margins", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg"),
@@ -462,7 +462,7 @@ SIGNATURES = {
         ),
         (
             rt.Port("type_1", (3,), "mixed", "-", "det M_i", "stacked", ()),
-            rt.Port("factors", (3, 3), "1", "-", "factors of det M_i (links_1: links of slide 1 aligned: the end of their reach; links_2: links of slide 2 aligned: the end of their reach; links_3: links of slide 3 aligned: the end of their reach)", "stacked", ("links_1", "links_2", "links_3", )),
+            rt.Port("factors", (3, 3), "1", "-", "factors of det M_i (links_1: links of slide 1 aligned, the end of their reach (sine squared); links_2: links of slide 2 aligned, the end of their reach (sine squared); links_3: links of slide 3 aligned, the end of their reach (sine squared))", "stacked", ("links_1", "links_2", "links_3", )),
             rt.Port("type_2", (2,), "mixed", "platform", "factors of det J", "shared", ("det J_a", "det J_n", )),
             rt.Port("margins", (2,), "mixed", "-", "-det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of R_p: positive for beta in (30, 150) deg", "shared", ("det J_a", "det J_n", )),
         ),
@@ -1214,9 +1214,10 @@ def singularity(
 
     Returns:
         type_1 (..., 3) [mixed]: det M_i
-        factors (..., 3, 3): factors of det M_i (links_1: links of slide 1 aligned: the end of
-            their reach; links_2: links of slide 2 aligned: the end of their reach; links_3: links
-            of slide 3 aligned: the end of their reach) [links_1, links_2, links_3]
+        factors (..., 3, 3): factors of det M_i (links_1: links of slide 1 aligned, the end of
+            their reach (sine squared); links_2: links of slide 2 aligned, the end of their reach
+            (sine squared); links_3: links of slide 3 aligned, the end of their reach (sine
+            squared)) [links_1, links_2, links_3]
         type_2 (..., 2) [mixed] in the platform frame: factors of det J [det J_a, det J_n]
         margins (..., 2) [mixed]: -det J_a / (l_1 l_2 l_3 R), det J_n / R^2 with R the mean of
             R_p: positive for beta in (30, 150) deg [det J_a, det J_n]

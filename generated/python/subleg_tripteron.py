@@ -36,6 +36,8 @@ def prepare(fields: Any) -> SimpleNamespace:
     t6 = e_t_1 * t2 + e_r_1 * t3
     t7 = l_2 - l_3
     t8 = l_2 + l_3
+    k_4 = l_2 * l_2
+    k_5 = l_3 * l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -47,7 +49,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-t4, -t5, -t6,),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(t7 * t7, t8 * t8, np.abs(t7), 1 / (l_2 * l_3), l_2 * l_2, l_3 * l_3, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
+        k=(t7 * t7, t8 * t8, np.abs(t7), 1 / (k_4 * k_5), k_4, k_5, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
     )
 
 
@@ -249,7 +251,7 @@ def rates(g: Any, s_dot: Any) -> tuple[Any, ...]:
 
 def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
     """det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.
-    Thesis: 1.4.  (11 add, 12 multiply, 3 square root)"""
+    Thesis: 1.4.  (11 add, 12 multiply)"""
     rho_0, rho_1, rho_2 = rho
     t1 = rho_1 * rho_1
     t2 = rho_2 * rho_2
@@ -260,9 +262,9 @@ def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
             1,
         ),
         (  # factors
-            0.5 * np.sqrt((t1 + t2 - g.k[0]) * (g.k[1] - t1 - t2)) * g.k[3],
-            g.k[3] * (0.5 * np.sqrt((t2 + t3 - g.k[0]) * (t4 - t2))),
-            g.k[3] * (0.5 * np.sqrt((t1 + t3 - g.k[0]) * (t4 - t1))),
+            0.25 * (t1 + t2 - g.k[0]) * (g.k[1] - t1 - t2) * g.k[3],
+            g.k[3] * (0.25 * (t2 + t3 - g.k[0]) * (t4 - t2)),
+            g.k[3] * (0.25 * (t1 + t3 - g.k[0]) * (t4 - t1)),
         ),
     )
 

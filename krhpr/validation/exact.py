@@ -65,13 +65,19 @@ def optimised(subject: Subject, check: Check, count: int) -> Measured:
 def _reachable(
     subject: Subject, seed: int, ports: tuple[Port, ...], source: Draw
 ) -> tuple[dict[str, list[Any]], dict[str, list[Any]]]:
-    """Balls for a kernel with roots: the first leg of a consistent configuration, anything for what it
-    lacks.
+    """Balls for a kernel with roots: the first leg of a consistent configuration with its posture, anything
+    for what it lacks.
     """
     batch = draw(subject, seed, 1, spread=0.1)
+    geometry = _balls(batch.geometry)
     inputs: dict[str, list[Any]] = {}
+    joints = {name: [Ball(x) for x in batch.values[name][0][0].tolist()] for name in ("s", "theta")}
+    posture = subject.kernel("subleg", "posture", joints, geometry, 0, BALLS)
     for port in ports:
         value = batch.values.get(port.name)
+        if value is None and port.name in posture:
+            inputs[port.name] = posture[port.name]
+            continue
         if value is None:
             inputs[port.name] = [Ball(source.nonzero()) for _ in range(port.size)]
             continue
@@ -79,7 +85,7 @@ def _reachable(
         inputs[port.name] = [Ball(number) for number in numbers]
     if any(port.name == "Q" for port in ports) and subject.planar:
         inputs["Q"] = [Ball(value) for value in source.rotation(2)]
-    return _balls(batch.geometry), inputs
+    return geometry, inputs
 
 
 # -- printed texts ---------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.composition import RobotCode, RobotFunction, Status
 from krhpr.codegen.graph import Op
 from krhpr.codegen.kernel import Kernel
 from krhpr.validation.check import (
@@ -84,9 +84,16 @@ def has_roots(kernel: Kernel) -> bool:
 
 
 def needs_balls(robot: RobotCode, function: RobotFunction) -> bool:
-    """Whether a function leaves the rational numbers; procedures choose among inverse solutions and do."""
-    return function.procedure or any(
-        has_roots(robot.parts[call.part].kernel(call.kernel)) for call in function.calls
+    """Whether a function leaves the rational numbers, or has an answer within reach only; procedures choose
+    among inverse solutions and do.
+    """
+    bounded = not robot.always_reachable and any(
+        guard.status is Status.UNREACHABLE_LEG_1 for guard in function.guards
+    )
+    return (
+        function.procedure
+        or bounded
+        or any(has_roots(robot.parts[call.part].kernel(call.kernel)) for call in function.calls)
     )
 
 

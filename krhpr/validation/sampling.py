@@ -23,7 +23,7 @@ from krhpr.validation.subject import Subject
 Floats = NDArray[np.float64]
 Values = dict[str, Floats]
 
-NEAR = 0.02
+NEAR = 0.003
 """How far, in each coordinate, the points that choose an assembly mode are from end points, in metres."""
 
 CONDITION = 0.1
@@ -107,22 +107,33 @@ def draw_geometry(
 def draw(subject: Subject, seed: int, count: int, *, spread: float = 0.05) -> Batch:
     """So many configurations of one geometry near the default sizes."""
     rng = np.random.default_rng(seed)
-    geometry = draw_geometry(subject, rng, spread)
+    for _ in range(20):
+        geometry = draw_geometry(subject, rng, spread)
+        found = _draw(subject, rng, count, geometry)
+        if found is not None:
+            return Batch(subject, geometry, found)
+    raise RuntimeError(
+        f"{subject.identifier}: no geometry near the default sizes has {count} configurations that are "
+        "reachable in every working mode"
+    )
+
+
+def _draw(
+    subject: Subject, rng: np.random.Generator, count: int, geometry: Mapping[str, Any]
+) -> Values | None:
+    """Configurations of one geometry; None where they are too rare."""
     found: list[Values] = []
     have = 0
-    for _ in range(200):
+    for attempt in range(200):
+        if attempt == 20 and not have:
+            return None
         values = _candidates(subject, rng, 2 * count + 20)
         kept = _complete(subject, rng, values, geometry)
         found.append(kept)
         have += len(kept["p"])
         if have >= count:
-            break
-    else:
-        raise RuntimeError(
-            f"{subject.identifier}: only {have} of {count} configurations are reachable in every working mode"
-        )
-    whole = {name: np.concatenate([values[name] for values in found])[:count] for name in found[0]}
-    return Batch(subject, geometry, whole)
+            return {name: np.concatenate([values[name] for values in found])[:count] for name in found[0]}
+    return None
 
 
 def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Values:

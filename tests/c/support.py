@@ -15,7 +15,7 @@ import pytest
 import krhpr.generated
 from krhpr.backend import c_sources
 from krhpr.generated.python.runtime import Port, Status
-from tests.support import need
+from tests.support import cover, need
 
 HERE = Path(__file__).parent
 SOURCES = c_sources()
@@ -23,21 +23,7 @@ ROBOTS: tuple[str, ...] = krhpr.generated.ROBOTS
 COMPILERS = ("gcc", "clang")
 
 
-def _cover(robots: Sequence[str]) -> frozenset[str]:
-    """Robots that have every sub-leg and every platform arrangement between them."""
-    seen: set[str] = set()
-    found = set()
-    for robot in robots:
-        space, rest = robot.split("_", 1)
-        subleg, _, arrangement = rest.rpartition("_")
-        parts = {f"{space}_{subleg}_", f"{space}__{arrangement}"}
-        if not parts <= seen:
-            found.add(robot)
-            seen |= parts
-    return frozenset(found)
-
-
-COVER = _cover(ROBOTS)
+COVER = cover(ROBOTS)
 
 
 def only_cover(robot: str, full: bool) -> None:

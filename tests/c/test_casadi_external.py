@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import krhpr
-from tests.c.support import CONFORMANCE, OPTIONAL, ROBOTS, SOURCES, only_cover, program, run
+from tests.c.support import CONFORMANCE, COVER, OPTIONAL, ROBOTS, SOURCES, only_cover, program, run
 
 ca = pytest.importorskip("casadi")
 
@@ -215,7 +215,7 @@ def test_work_is_enough_and_null_pointers_are_taken(
 ) -> None:
     """CasADi's C interface itself, under sanitizers, with buffers of exactly the stated sizes."""
     only_cover(robot, full)
-    if not full and (compiler == "clang") != (ROBOTS.index(robot) % 2 == 1):
+    if not full and (compiler == "clang") != (COVER.index(robot) % 2 == 1):
         pytest.skip("small samples: one compiler for each robot, in turns")
     names = [f"krhpr_{robot}_{name}" for name in sx(robot)]
     names += [f"jac_krhpr_{robot}_{name}" for name in sx(robot) if name not in WITHOUT_JACOBIAN]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import COMPILERS, ROBOTS, SOURCES, program, run
+from tests.c.support import COMPILERS, COVER, SOURCES, only_cover, program, run
 
 SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
 
@@ -23,7 +23,8 @@ MAY_BE_NAN = (
 
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
-    if not full and COMPILERS[ROBOTS.index(robot) % 2] != compiler and robot != ROBOTS[0]:
+    only_cover(robot, full)
+    if not full and COMPILERS[COVER.index(robot) % 2] != compiler and robot != COVER[0]:
         pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
     binary = build("hostile.c", robot, compiler, "-O1" if full else "-O0", "-g", *SANITIZE)
     run([binary, "100000" if full else "2000", *MAY_BE_NAN])

@@ -14,10 +14,10 @@ from krhpr.validation.configurations import LEGS_BY_NAME
 from krhpr.validation.page import page
 from krhpr.validation.plan import KINDS, REASONS, plan
 from krhpr.validation.proofs.first_principles import CLOSURES
+from krhpr.validation.proofs.passive import PASSIVE
 from krhpr.validation.proofs.platforms import EQUILATERAL
-from krhpr.validation.proofs.sublegs import PASSIVE
-from krhpr.validation.proofs.thesis import ROWS, VELOCITY
-from krhpr.validation.rules import EVERY, FIRST_PRINCIPLES, THESIS_ROWS
+from krhpr.validation.proofs.thesis import ATTACHMENTS, ROWS, VELOCITY
+from krhpr.validation.rules import EVERY, FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 from krhpr.validation.run import RUNNERS
 
 DERIVED = derive()
@@ -54,10 +54,11 @@ def test_every_rule_has_code_and_all_code_is_used() -> None:
 
 def test_what_is_known_of_parts_is_known_everywhere() -> None:
     parts = {robot.subleg.name for robot in DERIVED.robots}
-    assert set(FIRST_PRINCIPLES) == set(CLOSURES) == set(VELOCITY) == set(PASSIVE) == set(LEGS_BY_NAME)
-    assert set(THESIS_ROWS) == set(ROWS) == set(EQUILATERAL)
-    assert set(FIRST_PRINCIPLES) <= parts
-    assert set(THESIS_ROWS) <= {robot.platform.name for robot in DERIVED.robots}
+    assert set(FIRST_PRINCIPLES) == set(CLOSURES) == set(LEGS_BY_NAME)
+    assert set(THESIS_VELOCITY) == set(VELOCITY)
+    assert set(THESIS_ROWS) == set(ROWS) == set(EQUILATERAL) == set(ATTACHMENTS)
+    assert set(FIRST_PRINCIPLES) < set(THESIS_VELOCITY) < set(PASSIVE) == parts
+    assert set(THESIS_ROWS) == {robot.platform.name for robot in DERIVED.robots}
 
 
 @ROBOTS

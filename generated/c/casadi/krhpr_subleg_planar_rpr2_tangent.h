@@ -374,37 +374,41 @@ static inline void krhpr_subleg_planar_rpr2_determinant_tangent(
     }
 }
 
-/* `passive` with the derivatives of its outputs along directions of its inputs.  (19 add, 39 multiply, 4
+/* `passive` with the derivatives of its outputs along directions of its inputs.  (28 add, 57 multiply, 4
  * divide, 1 square root, 3 arctangent) */
 static inline void krhpr_subleg_planar_rpr2_passive_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, krhpr_dual *KRHPR_RESTRICT passive,
     krhpr_dual *KRHPR_RESTRICT link)
 {
-    (void)(g);
-    const double h4 = w[0].v * w[3].v - w[1].v * w[2].v;
-    const double h3 = w[0].v * w[2].v + w[1].v * w[3].v;
-    const double t1 = w[0].v * w[0].v + w[1].v * w[1].v;
-    const double size = sqrt(t1);
-    const double h6 = 1.0 / size;
-    const double h1 = 1.0 / t1;
-    const double h2 = 1.0 / (w[2].v * w[2].v + w[3].v * w[3].v);
-    const double h5 = 1.0 / (h3 * h3 + h4 * h4);
-    passive[0].v = krhpr_atan2(w[1].v, w[0].v);
-    passive[1].v = krhpr_atan2(w[3].v, w[2].v);
-    passive[2].v = krhpr_atan2(h4, h3);
-    link[0].v = w[0].v * h6;
-    link[1].v = w[1].v * h6;
+    const double h2 = g->e_1[0] * w[1].v - g->e_1[1] * w[0].v;
+    const double h1 = g->e_1[0] * w[0].v + g->e_1[1] * w[1].v;
+    const double h5 = g->e_1[0] * w[3].v - g->e_1[1] * w[2].v;
+    const double h4 = g->e_1[0] * w[2].v + g->e_1[1] * w[3].v;
+    const double h8 = w[0].v * w[3].v - w[1].v * w[2].v;
+    const double h7 = w[0].v * w[2].v + w[1].v * w[3].v;
+    const double size = sqrt(w[0].v * w[0].v + w[1].v * w[1].v);
+    const double h10 = 1.0 / size;
+    const double h3 = 1.0 / (h1 * h1 + h2 * h2);
+    const double h6 = 1.0 / (h4 * h4 + h5 * h5);
+    const double h9 = 1.0 / (h7 * h7 + h8 * h8);
+    passive[0].v = krhpr_atan2(h2, h1);
+    passive[1].v = krhpr_atan2(h5, h4);
+    passive[2].v = krhpr_atan2(h8, h7);
+    link[0].v = w[0].v * h10;
+    link[1].v = w[1].v * h10;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
-        const double t3 = w[2].v * w[0].t[k] + w[0].v * w[2].t[k] + (w[3].v * w[1].t[k] + w[1].v * w[3].t[k]);
-        const double t4 = w[0].v * w[0].t[k];
-        const double t5 = w[1].v * w[1].t[k];
-        const double t6 = h6 * (h6 * (h6 * (0.5 * (t4 + t4 + (t5 + t5)))));
-        passive[0].t[k] = h1 * (w[0].v * w[1].t[k] - w[1].v * w[0].t[k]);
-        passive[1].t[k] = h2 * (w[2].v * w[3].t[k] - w[3].v * w[2].t[k]);
-        passive[2].t[k] = h5 * (h3 * t2 - h4 * t3);
-        link[0].t[k] = h6 * w[0].t[k] - w[0].v * t6;
-        link[1].t[k] = h6 * w[1].t[k] - w[1].v * t6;
+        const double t1 = h1 * (g->e_1[0] * w[1].t[k] - g->e_1[1] * w[0].t[k]) - h2 * (g->e_1[0] * w[0].t[k] + g->e_1[1] * w[1].t[k]);
+        const double t2 = h4 * (g->e_1[0] * w[3].t[k] - g->e_1[1] * w[2].t[k]) - h5 * (g->e_1[0] * w[2].t[k] + g->e_1[1] * w[3].t[k]);
+        const double t3 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
+        const double t4 = w[2].v * w[0].t[k] + w[0].v * w[2].t[k] + (w[3].v * w[1].t[k] + w[1].v * w[3].t[k]);
+        const double t5 = w[0].v * w[0].t[k];
+        const double t6 = w[1].v * w[1].t[k];
+        const double t7 = h10 * (h10 * (h10 * (0.5 * (t5 + t5 + (t6 + t6)))));
+        passive[0].t[k] = h3 * t1;
+        passive[1].t[k] = h6 * t2;
+        passive[2].t[k] = h9 * (h7 * t3 - h8 * t4);
+        link[0].t[k] = h10 * w[0].t[k] - w[0].v * t7;
+        link[1].t[k] = h10 * w[1].t[k] - w[1].v * t7;
     }
 }
 

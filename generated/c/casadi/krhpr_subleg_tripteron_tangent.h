@@ -236,45 +236,39 @@ static inline void krhpr_subleg_tripteron_rates_tangent(
 }
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (20 add,
- * 33 multiply, 3 divide, 3 square root) */
+ * 27 multiply) */
 static inline void krhpr_subleg_tripteron_determinant_tangent(
     const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *rho, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double t1 = rho[1].v * rho[1].v;
     const double t2 = rho[2].v * rho[2].v;
-    const double h2 = t1 + t2 - g->k[0];
+    const double h2 = 0.25 * (t1 + t2 - g->k[0]);
     const double h1 = g->k[1] - t1 - t2;
-    const double t3 = sqrt(h2 * h1);
-    const double t4 = rho[0].v * rho[0].v;
-    const double h5 = t2 + t4 - g->k[0];
-    const double t5 = g->k[1] - t4;
-    const double h4 = t5 - t2;
-    const double t6 = sqrt(h5 * h4);
-    const double h8 = t1 + t4 - g->k[0];
-    const double h7 = t5 - t1;
-    const double t7 = sqrt(h8 * h7);
-    const double h3 = 1.0 / t3;
-    const double h6 = 1.0 / t6;
-    const double h9 = 1.0 / t7;
+    const double t3 = rho[0].v * rho[0].v;
+    const double h4 = 0.25 * (t2 + t3 - g->k[0]);
+    const double t4 = g->k[1] - t3;
+    const double h3 = t4 - t2;
+    const double h6 = 0.25 * (t1 + t3 - g->k[0]);
+    const double h5 = t4 - t1;
     det_M[0].v = 1.0;
-    factors[0].v = 0.5 * t3 * g->k[3];
-    factors[1].v = g->k[3] * (0.5 * t6);
-    factors[2].v = g->k[3] * (0.5 * t7);
+    factors[0].v = h2 * h1 * g->k[3];
+    factors[1].v = g->k[3] * (h4 * h3);
+    factors[2].v = g->k[3] * (h6 * h5);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t8 = rho[1].v * rho[1].t[k];
-        const double t9 = t8 + t8;
-        const double t10 = rho[2].v * rho[2].t[k];
+        const double t5 = rho[1].v * rho[1].t[k];
+        const double t6 = t5 + t5;
+        const double t7 = rho[2].v * rho[2].t[k];
+        const double t8 = t7 + t7;
+        const double t9 = t6 + t8;
+        const double t10 = rho[0].v * rho[0].t[k];
         const double t11 = t10 + t10;
-        const double t12 = t9 + t11;
-        const double t13 = rho[0].v * rho[0].t[k];
-        const double t14 = t13 + t13;
-        const double t15 = t11 + t14;
-        const double t16 = t9 + t14;
+        const double t12 = t8 + t11;
+        const double t13 = t6 + t11;
         det_M[0].t[k] = 0.0;
-        factors[0].t[k] = g->k[3] * (0.5 * (h3 * (0.5 * (h1 * t12 - h2 * t12))));
-        factors[1].t[k] = g->k[3] * (0.5 * (h6 * (0.5 * (h4 * t15 - h5 * t15))));
-        factors[2].t[k] = g->k[3] * (0.5 * (h9 * (0.5 * (h7 * t16 - h8 * t16))));
+        factors[0].t[k] = g->k[3] * (h1 * (0.25 * t9) - h2 * t9);
+        factors[1].t[k] = g->k[3] * (h3 * (0.25 * t12) - h4 * t12);
+        factors[2].t[k] = g->k[3] * (h5 * (0.25 * t13) - h6 * t13);
     }
 }
 

@@ -30,12 +30,13 @@ def passive_joints(one: Numeric, batch: Batch, found: Measured) -> None:
         redundant = link @ result["spherical"]
         along, Q = redundant[..., 0], v["Q"]
         close(found, redundant[..., 2], np.broadcast_to(Q[:, None, :, 2], redundant[..., 2].shape), "q_z", 1)
-    azimuth = g["platform_azimuth"]
-    radial = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(LEGS)], axis=-1)[:, : Q.shape[-1]]
-    if "l_r" in g:
-        joint = v["p"][:, None] + np.einsum("kij,lj->kli", Q, g["R_p"][:, None] * radial)
-        close(found, v["s"] + g["l_r"][:, None] * along, joint, "B_i", 1)
+    if one.subject.platform.redundant_link:
+        joint = call(one, batch, "link_points")["attachment"]
+        length = g[one.subject.platform.redundant_link][:, None]
+        close(found, v["s"] + length * along, joint, "joint or slider on the platform", 1)
     else:
+        azimuth = g["platform_azimuth"]
+        radial = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(LEGS)], axis=-1)[:, : Q.shape[-1]]
         close(found, along, np.einsum("kij,lj->kli", Q, radial), "slide", 1)
 
 

@@ -10,7 +10,7 @@ from krhpr.validation.differences import arc, call
 from krhpr.validation.invariants.batch import close, runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch
+from krhpr.validation.sampling import CONDITION, Batch
 from krhpr.validation.scale import relative
 
 
@@ -62,7 +62,11 @@ def inverse_after_forward(one: Numeric, batch: Batch, found: Measured) -> None:
         ends = call(one, batch, "subleg_forward", **assembly)["s"]
         every = call(one, batch, "subleg_inverse", s=ends)["theta"]
         gap = np.abs(arc(every, theta[:, :, None], one.subject.code.angular)).max(axis=-1)
-        found.worse(np.nanmin(np.where(np.isnan(gap), np.inf, gap), axis=-1), f"assembly mode {index}")
+        nearest = np.nanmin(np.where(np.isnan(gap), np.inf, gap), axis=-1)
+        # the joints are well conditioned in the assembly mode of their end point, but perhaps not in others
+        factors = call(one, batch, "singularity", s=ends)["factors"]
+        fit = (np.abs(factors) > CONDITION).all(axis=-1)
+        found.worse(np.where(fit, nearest, 0.0), f"assembly mode {index}")
 
 
 def modes(one: Numeric, batch: Batch, found: Measured) -> None:
@@ -108,6 +112,7 @@ def status_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     """Near and far poses: NaN, excess and status tell the same."""
     rng = np.random.default_rng(len(batch))
     wide = rng.uniform(-1.0, 1.0, batch.values["p"].shape)
+    wide[:LEGS] = _to_the_base(batch)
     values = {"p": batch.values["p"] + wide}
     theta = call(one, batch, "inverse", **values)
     reach = call(one, batch, "inverse_status", **values)
@@ -116,13 +121,22 @@ def status_of_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     found.worse((clear & ((reach["excess"] <= 0) != exists)).astype(float), "excess and NaN")
     partly = np.isfinite(theta["theta"]).any(axis=-1)
     found.worse((partly != exists).astype(float), "a leg is either found whole or not at all")
-    first = np.where(exists.all(axis=-1), 0, int(Status.UNREACHABLE_LEG_1) + np.argmin(exists, axis=-1))
+    wanted = np.where(exists.all(axis=-1), 0, int(Status.UNREACHABLE_LEG_1) + np.argmin(exists, axis=-1))
     sure = clear.all(axis=-1)
     for name, status in (("inverse", theta["status"]), ("inverse_status", reach["status"])):
-        found.worse((sure & (status != first)).astype(float), f"status of {name}")
+        found.worse((sure & (status != wanted)).astype(float), f"status of {name}")
     everywhere = one.subject.code.always_reachable
     both = exists.all() if everywhere else exists.any() and not exists.all()
     found.worse(0.0 if both else 1.0, "no poses within, or none out of reach")
+
+
+def _to_the_base(batch: Batch) -> Floats:
+    """By how far p is moved, in the first configurations, so that an end point is close to the base joint."""
+    azimuth, radius = (np.array(batch.geometry[name]) for name in ("azimuth", "R_b"))
+    d = batch.values["p"].shape[-1]
+    base = (radius * np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth])).T[:, :d]
+    moved: Floats = base - np.stack([batch.values["s"][leg, leg] for leg in range(LEGS)]) + 1e-3
+    return moved
 
 
 RUNNERS: dict[str, Runner] = {

@@ -184,7 +184,10 @@ def lengths_scaled(one: Numeric, batch: Batch, found: Measured) -> None:
         name: values if fields[name] is Unit.RADIAN else tuple(2 * x for x in values)
         for name, values in batch.geometry.items()
     }
+    mixed = len(set(subject.code.angular)) > 1
     for function in subject.code.functions:
+        if function.name == "inverse_near" and mixed:
+            continue  # which joints are nearest depends on the unit of slides beside that of angles
         inputs = batch.of(function)
         there = {
             port.name: inputs[port.name] * 2.0 ** np.asarray(power_of_length(subject, port))

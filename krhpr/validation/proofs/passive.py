@@ -12,7 +12,6 @@ from krhpr.validation.linear import (
     dot,
     identity,
     matrix,
-    minus,
     plus,
     scaled,
     times,
@@ -150,11 +149,10 @@ def _around(leg: Leg) -> list[Vector]:
     return [[angle.cos(), angle.sin(), Exact(0)] for angle in angles]
 
 
-def _strut(
-    leg: Leg, base: Vector, rho: Any, tilt: Any, lean: Any, frame: tuple[Vector, Vector, Vector]
-) -> None:
-    """base + rho Rot(f_0, tilt) Rot(f_1, lean) f_2 = S_i."""
-    first, second, third = frame
+def _strut(leg: Leg, k: int, base: Vector, frame: tuple[Vector, Vector, Vector]) -> None:
+    """base + rho_k Rot(f_0, tilt) Rot(f_1, lean) f_2 = S_i."""
+    (first, second, third), rho = frame, leg.theta[k]
+    tilt, lean = leg.passive[2 * k : 2 * k + 2]
     second, third = (thesis.turned(first, tilt, axis) for axis in (second, third))
     leg.meets(plus(base, scaled(rho, thesis.turned(second, lean, third))))
 
@@ -163,7 +161,7 @@ def _ups3(leg: Leg) -> None:
     at = _base(leg)
     for k, out in enumerate(_around(leg)):
         base = plus(at.c, scaled(leg.g["r_g"], out))
-        _strut(leg, base, leg.theta[k], *leg.passive[2 * k : 2 * k + 2], (at.x, at.e_1, at.e_2))
+        _strut(leg, k, base, (at.x, at.e_1, at.e_2))
         if k == 0:
             along = [row[0] for row in matrix(leg.link, 3)]
             leg.found.equal(plus(base, scaled(leg.theta[0], along)), leg.s, "frame of strut 1")
@@ -174,7 +172,7 @@ def _upu3(leg: Leg) -> None:
     for k, out in enumerate(_around(leg)):
         base = plus(at.c, scaled(leg.g["r_g"], out))
         frame = (cross(Z, out), scaled(-1, out), Z)
-        _strut(leg, base, leg.theta[k], *leg.passive[2 * k : 2 * k + 2], frame)
+        _strut(leg, k, base, frame)
     _keeps_orientation(leg)
 
 
@@ -300,7 +298,7 @@ def _planar_prr2(leg: Leg) -> None:
 def _planar_rpr2(leg: Leg) -> None:
     links = []
     for k, share in ((1, Exact(-1) / 2), (2, Exact(1) / 2)):
-        link = _flat(leg.passive[k - 1])
+        link = _flat(leg.g["azimuth"] + leg.passive[k - 1])
         leg.meets(plus(_foot(leg, share), scaled(leg.theta[k - 1], link)))
         links.append(link)
     _pair(leg, links, leg.passive[2])

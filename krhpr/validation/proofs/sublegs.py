@@ -352,7 +352,9 @@ def inverse_closes(subject: Subject, check: Check, count: int) -> Measured:
         geometry = {name: [Ball(x) for x in values] for name, values in batch.geometry.items()}
         for leg in range(LEGS):
             s = [Ball(x) for x in batch.values["s"][0][leg].tolist()]
-            swivel = {"swivel": [Ball(batch.values["swivel"][0][leg])]} if subject.subleg.redundant else {}
+            swivel: dict[str, Any] = {}
+            if subject.subleg.redundant:
+                swivel = {"swivel": [Ball(batch.values["swivel"][0][leg])]}
 
             def kernel(
                 name: str, leg: int = leg, geometry: Mapping[str, Any] = geometry, **inputs: Any
@@ -383,7 +385,11 @@ def reach(subject: Subject, check: Check, count: int) -> Measured:
     many = 50 * count
     geometry: dict[str, Any] = {name: list(values) for name, values in subject.entry.sizes.items()}
     d = subject.subleg.space.dimension
-    s = list(rng.uniform(-1.2, 1.2, (d, many)))
+    # far points, and points at any distance from the base joint
+    azimuth, radius = geometry["azimuth"][0], geometry["R_b"][0]
+    base = np.array([radius * np.cos(azimuth), radius * np.sin(azimuth), 0.0])[:d, None]
+    near = base + rng.normal(size=(d, many)) * 10.0 ** rng.uniform(-4, 0, many)
+    s = list(np.where(rng.random(many) < 0.5, rng.uniform(-1.2, 1.2, (d, many)), near))
     seen = [0, 0]
     for signs in subject.code.mode_signs:
         inputs = {"s": s, "mode": [float(sign) for sign in signs], "swivel": [0.3]}

@@ -4,7 +4,7 @@ means.
 
 from krhpr.validation.rules.differences import DIFFERENCES
 from krhpr.validation.rules.invariants import INVARIANTS
-from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS
+from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 from krhpr.validation.rules.proofs import FEW, MANY, PLATFORM_PROOFS, ROBOT_PROOFS, SUBLEG_PROOFS, Proof
 from krhpr.validation.rules.references import REFERENCES
 from krhpr.validation.rules.rule import EVERY, Rule
@@ -21,6 +21,7 @@ __all__ = [
     "ROBOT_PROOFS",
     "SUBLEG_PROOFS",
     "THESIS_ROWS",
+    "THESIS_VELOCITY",
     "Proof",
     "Rule",
 ]

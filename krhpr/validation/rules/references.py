@@ -25,7 +25,7 @@ REFERENCES = (
         "constraints and have the "
         "redundant coordinates of the reference.",
         ("redundant_coordinates",),
-        lambda robot: robot.platform.name in ("platform_spatial_a", "platform_spatial_c"),
+        lambda robot: not robot.identifier.startswith("planar"),
     ),
     Rule(
         "chapter 1",
