@@ -30,6 +30,25 @@ def cover(robots: Sequence[str]) -> tuple[str, ...]:
     return tuple(found[place % len(found)] for place, found in enumerate(by_subleg.values()))
 
 
+THOROUGH = (
+    "spatial_rrr_a",
+    "spatial_r_fivebar_a",
+    "spatial_rrrr_b",
+    "spatial_cpr3_c",
+    "planar_rr_a",
+    "planar_rrr_c",
+    "planar_prr2_b",
+)
+"""Robots that large samples are drawn of: serial and closed, redundant, without a closed form, all
+arrangements.
+"""
+
+
+def large(robot: str, full: bool) -> bool:
+    """Whether this robot is tested on large samples; the others always have small ones."""
+    return full and robot in THOROUGH
+
+
 COMPILERS = {"cc": ".c", "gcc": ".c", "clang": ".c", "c++": ".cpp", "g++": ".cpp", "clang++": ".cpp"}
 """Compilers that tests call by name, and the ending of what they compile."""
 

@@ -5,14 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import COMPILERS, HERE, ROBOTS, SOURCES, program, run, table
+from tests.c.support import COMPILERS, COVER, HERE, ROBOTS, SOURCES, program, run, table
 
 Build = Callable[..., Path]
 
 
-@pytest.fixture(params=ROBOTS)
-def robot(request: pytest.FixtureRequest) -> str:
-    return str(request.param)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """A robot of each sub-leg, for they share kernels; every robot where a test is marked so, with --full."""
+    if "robot" in metafunc.fixturenames:
+        marked = metafunc.definition.get_closest_marker("every_robot") is not None
+        every = marked and metafunc.config.getoption("--full")
+        metafunc.parametrize("robot", ROBOTS if every else COVER)
 
 
 @pytest.fixture(params=COMPILERS)

@@ -10,8 +10,6 @@ from importlib import import_module
 from math import prod
 from pathlib import Path
 
-import pytest
-
 import krhpr.generated
 from krhpr.backend import c_sources
 from krhpr.generated.python.runtime import Port, Status
@@ -24,12 +22,6 @@ COMPILERS = ("gcc", "clang")
 
 
 COVER = cover(ROBOTS)
-
-
-def only_cover(robot: str, full: bool) -> None:
-    """Skip a robot whose parts others have, unless large samples are wanted."""
-    if not full and robot not in COVER:
-        pytest.skip("small samples: other robots have its sub-leg and its platform")
 
 
 CONFORMANCE = (

@@ -18,7 +18,8 @@ import numpy as np
 import pytest
 
 import krhpr
-from tests.c.support import CONFORMANCE, COVER, OPTIONAL, ROBOTS, SOURCES, only_cover, program, run
+from tests.c.support import CONFORMANCE, COVER, OPTIONAL, ROBOTS, SOURCES, program, run
+from tests.support import large
 
 ca = pytest.importorskip("casadi")
 
@@ -139,7 +140,7 @@ def test_every_kernel_function_is_there(robot: str, external: Callable[[str], An
 def test_values_are_those_of_sx(robot: str, external: Callable[[str], Any], full: bool) -> None:
     for name, expected in sx(robot).items():
         found = external(name)
-        for at in configurations(robot, 200 if full else 20):
+        for at in configurations(robot, 200 if large(robot, full) else 20):
             given = arguments(robot, expected, at)
             for got, want in zip(found.call(given), expected.call(given), strict=True):
                 scale = max(1.0, np.abs(want.full()).max())
@@ -152,7 +153,7 @@ def test_jacobians_are_those_of_sx(robot: str, external: Callable[[str], Any], f
         expected, found = sx(robot)[name].jacobian(), external(name).jacobian()
         outputs = [0] * sx(robot)[name].n_out()
         branches = [f"_{branch}" for branch in OPTIONAL]
-        for at in configurations(robot, 100 if full else 10):
+        for at in configurations(robot, 100 if large(robot, full) else 10):
             given = [*arguments(robot, sx(robot)[name], at), *outputs]
             blocks = zip(expected.name_out(), found.call(given), expected.call(given), strict=True)
             for block, got, want in blocks:
@@ -165,7 +166,6 @@ def test_jacobians_are_those_of_sx(robot: str, external: Callable[[str], Any], f
 
 def test_jacobians_against_finite_differences(robot: str, external: Callable[[str], Any], full: bool) -> None:
     """Of the compiled functions themselves, input by input."""
-    only_cover(robot, full)
     step = 1e-6
     for name in sx(robot).keys() - WITHOUT_JACOBIAN:
         function = external(name)
@@ -214,7 +214,6 @@ def test_work_is_enough_and_null_pointers_are_taken(
     robot: str, compiler: str, tmp_path: Path, full: bool
 ) -> None:
     """CasADi's C interface itself, under sanitizers, with buffers of exactly the stated sizes."""
-    only_cover(robot, full)
     if not full and (compiler == "clang") != (COVER.index(robot) % 2 == 1):
         pytest.skip("small samples: one compiler for each robot, in turns")
     names = [f"krhpr_{robot}_{name}" for name in sx(robot)]
@@ -250,7 +249,6 @@ def test_strict_c99(robot: str, compiler: str) -> None:
 
 def test_no_writable_data_and_no_other_names(robot: str, tmp_path: Path, full: bool) -> None:
     """Tables are constant; what is exported is what CasADi looks up."""
-    only_cover(robot, full)
     library = tmp_path / "shim.o"
     run([program("cc"), "-O1", "-fPIC", "-c", SHIMS / f"krhpr_{robot}_casadi.c", "-o", library])
     rows = [line.split() for line in run([program("size"), "-A", library]).splitlines()]
@@ -368,7 +366,6 @@ def least_motion(functions: Callable[[str], Any], identifier: str) -> tuple[np.n
 
 def test_ipopt_finds_the_same(robot: str, external: Callable[[str], Any], full: bool) -> None:
     """The same problem on externals and on SX functions: the same optimum, better than the first guess."""
-    only_cover(robot, full)
     x, cost, said, guess = least_motion(external, robot)
     expected_x, expected_cost, expected_said, _ = least_motion(lambda name: sx(robot)[name], robot)
     assert said == expected_said == "Solve_Succeeded"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, only_cover, program, run
+from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, program, run
 
 HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
 LARGEST_FRAME = 8192
@@ -36,6 +36,7 @@ def compile_object(compiler: str, robot: str, folder: Path, *flags: str) -> Path
     return target
 
 
+@pytest.mark.every_robot
 @pytest.mark.parametrize("optimisation", ["-O0", "-O2"])
 def test_strict_c99(robot: str, compiler: str, optimisation: str, tmp_path: Path) -> None:
     """No warning at all, with and without the optimiser's analyses."""
@@ -44,7 +45,6 @@ def test_strict_c99(robot: str, compiler: str, optimisation: str, tmp_path: Path
 
 @pytest.mark.parametrize("standard", ["c11", "c17", "gnu99", "gnu17"])
 def test_later_standards(robot: str, compiler: str, standard: str, tmp_path: Path, full: bool) -> None:
-    only_cover(robot, full)
     flags = [f"-std={standard}" if flag.startswith("-std=") else flag for flag in CONFORMANCE]
     compile_object(compiler, robot, tmp_path, *flags, "-fsyntax-only")
 
@@ -67,7 +67,6 @@ def test_headers_serve_cpp(compiler: str, tmp_path: Path) -> None:
 
 def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path, full: bool) -> None:
     """Compiled as C, called from C++."""
-    only_cover(robot, full)
     cpp = program(CPP[compiler])
     source = tmp_path / "main.cpp"
     prefix = f"krhpr_{robot}"

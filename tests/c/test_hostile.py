@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import COMPILERS, COVER, SOURCES, only_cover, program, run
+from tests.c.support import COMPILERS, COVER, SOURCES, program, run
+from tests.support import large
 
 SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
 
@@ -23,16 +24,15 @@ MAY_BE_NAN = (
 
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
-    only_cover(robot, full)
     if not full and COMPILERS[COVER.index(robot) % 2] != compiler and robot != COVER[0]:
         pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
-    binary = build("hostile.c", robot, compiler, "-O1" if full else "-O0", "-g", *SANITIZE)
-    run([binary, "100000" if full else "2000", *MAY_BE_NAN])
+    binary = build("hostile.c", robot, compiler, "-O1" if large(robot, full) else "-O0", "-g", *SANITIZE)
+    run([binary, "100000" if large(robot, full) else "2000", *MAY_BE_NAN])
 
 
 def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build, full: bool) -> None:
     """The same promises hold for the flags that a controller is compiled with."""
-    if not full:
+    if not large(robot, full):
         pytest.skip("large samples only")
     flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-tree-slp-vectorize")
     known = flags if compiler == "gcc" else flags[:-1]

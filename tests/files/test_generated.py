@@ -34,9 +34,9 @@ from krhpr.validation.agreement import true_values
 from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.scale import relative, worst_of
 from krhpr.validation.subject import subjects
-from tests.c.support import COMPILERS, CONFORMANCE, CPP, CPP_CONFORMANCE, only_cover
+from tests.c.support import COMPILERS, CONFORMANCE, CPP, CPP_CONFORMANCE
 from tests.files.support import EXAMPLE
-from tests.support import contents, run_python
+from tests.support import THOROUGH, contents, run_python
 
 ROBOTS = krhpr.catalogue()
 SAMPLES = 2
@@ -103,12 +103,11 @@ class Gathered:
 
 @pytest.fixture(
     scope="module",
-    params=[(name, baked) for name in ROBOTS for baked in (True, False)],
+    params=[(name, baked) for name in THOROUGH for baked in (True, False)],
     ids=lambda p: f"{p[0]}-{'baked' if p[1] else 'free'}",
 )
 def gathered(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Gathered]:
     identifier, baked = request.param
-    only_cover(identifier, request.config.getoption("--full"))
     above = tmp_path_factory.mktemp("above")
     write(files_of(identifier, baked=baked), above / "gathered")
     sys.path.insert(0, str(above))

@@ -10,6 +10,7 @@ from krhpr.validation.outcome import State
 from krhpr.validation.plan import plan
 from krhpr.validation.run import Result, carry_out
 from krhpr.validation.subject import Subject, subjects
+from tests.support import large
 
 IDENTIFIERS = [entry.identifier for entry in catalogue()]
 
@@ -29,5 +30,5 @@ def failures(results: list[Result]) -> list[str]:
 
 
 def carried_out(identifier: str, checks: list[Check], full: bool) -> list[Result]:
-    size = "large" if full else "small"
+    size = "large" if large(identifier, full) else "small"
     return [carry_out(subject(identifier), check, size) for check in checks]
