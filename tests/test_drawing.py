@@ -38,7 +38,7 @@ def configurations(robot: krhpr.Robot, count: int) -> Iterator[tuple[Any, Any, A
                 np.array([0, 0, 0.35]) + rng.uniform(-0.04, 0.04, 3),
                 rotation(rng.uniform(-0.3, 0.3, 3)),
             )
-        redundant = rng.uniform(0.08, 0.14, 3) if robot.identifier.endswith("c") else rng.uniform(0.7, 2.4, 3)
+        redundant = rng.uniform(0.08, 0.14, 3) if robot.identifier.endswith(("b", "c")) else rng.uniform(0.7, 2.4, 3)
         mode = modes[made % len(modes)]
         if not np.isnan(robot.inverse(p, orientation, redundant, mode=mode)).any():
             yield p, orientation, redundant, mode

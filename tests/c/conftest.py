@@ -6,16 +6,19 @@ from pathlib import Path
 import pytest
 
 from tests.c.support import COMPILERS, COVER, HERE, ROBOTS, SOURCES, program, run, table
+from tests.support import THOROUGH
 
 Build = Callable[..., Path]
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """A robot of each sub-leg, for they share kernels; every robot where a test is marked so, with --full."""
+    """Some robots of all kinds, or one of each sub-leg with --full, for robots share kernels; where a test is
+    marked `every_robot`, one of each sub-leg, or every robot with --full.
+    """
     if "robot" in metafunc.fixturenames:
+        steps = [THOROUGH, COVER, ROBOTS]
         marked = metafunc.definition.get_closest_marker("every_robot") is not None
-        every = marked and metafunc.config.getoption("--full")
-        metafunc.parametrize("robot", ROBOTS if every else COVER)
+        metafunc.parametrize("robot", steps[marked + metafunc.config.getoption("--full")])
 
 
 @pytest.fixture(params=COMPILERS)

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import krhpr
-from tests.c.support import CONFORMANCE, COVER, OPTIONAL, ROBOTS, SOURCES, program, run
+from tests.c.support import CONFORMANCE, OPTIONAL, ROBOTS, SOURCES, program, run
 from tests.support import large
 
 ca = pytest.importorskip("casadi")
@@ -214,7 +214,7 @@ def test_work_is_enough_and_null_pointers_are_taken(
     robot: str, compiler: str, tmp_path: Path, full: bool
 ) -> None:
     """CasADi's C interface itself, under sanitizers, with buffers of exactly the stated sizes."""
-    if not full and (compiler == "clang") != (COVER.index(robot) % 2 == 1):
+    if not full and (compiler == "clang") != (len(robot) % 2 == 1):
         pytest.skip("small samples: one compiler for each robot, in turns")
     names = [f"krhpr_{robot}_{name}" for name in sx(robot)]
     names += [f"jac_krhpr_{robot}_{name}" for name in sx(robot) if name not in WITHOUT_JACOBIAN]

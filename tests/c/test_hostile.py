@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import COMPILERS, COVER, SOURCES, program, run
-from tests.support import large
+from tests.c.support import COMPILERS, SOURCES, program, run
+from tests.support import THOROUGH, large
 
 SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
 
@@ -24,7 +24,7 @@ MAY_BE_NAN = (
 
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
-    if not full and COMPILERS[COVER.index(robot) % 2] != compiler and robot != COVER[0]:
+    if not full and COMPILERS[len(robot) % 2] != compiler and robot != THOROUGH[0]:
         pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
     binary = build("hostile.c", robot, compiler, "-O1" if large(robot, full) else "-O0", "-g", *SANITIZE)
     run([binary, "100000" if large(robot, full) else "2000", *MAY_BE_NAN])

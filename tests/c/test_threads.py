@@ -7,8 +7,8 @@ import subprocess
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import COVER, run
-from tests.support import large
+from tests.c.support import run
+from tests.support import THOROUGH, large
 
 
 def test_threads_agree_bit_by_bit(robot: str, compiler: str, build: Build, full: bool) -> None:
@@ -16,7 +16,7 @@ def test_threads_agree_bit_by_bit(robot: str, compiler: str, build: Build, full:
 
 
 def test_no_data_race(robot: str, compiler: str, build: Build, full: bool) -> None:
-    if robot != COVER[0] and not large(robot, full):
+    if robot != THOROUGH[0] and not large(robot, full):
         pytest.skip("small samples: the first robot only")
     binary = build("threads.c", robot, compiler, "-O1", "-g", "-pthread", "-fsanitize=thread")
     done = subprocess.run([binary], capture_output=True, text=True, check=False)
