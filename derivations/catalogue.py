@@ -153,9 +153,7 @@ def _entry(subleg: SubLeg, platform: Platform, sizes: Sizes) -> Entry:
     sections = f"{subleg.section}, {platform.section}".split(", ")
     thesis = ", ".join(dict.fromkeys(sections))
     title, thesis = _OWN_PLACE.get(robot.identifier, (title, thesis))
-    return Entry(
-        robot, {name: _triple(value) for name, value in sizes.items()}, _home(robot), title, thesis
-    )
+    return Entry(robot, {name: _triple(value) for name, value in sizes.items()}, _home(robot), title, thesis)
 
 
 def _home(robot: Robot) -> Home:

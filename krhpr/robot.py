@@ -98,8 +98,9 @@ class Robot:
 
     @property
     def home(self) -> Home:
-        """Its home pose: `robot.inverse(*robot.home)`.  That of its robot file, else the catalogue's, which is
-        chosen for the default sizes.
+        """Its home pose: `robot.inverse(*robot.home)`.
+
+        That of its robot file, else the catalogue's, which is chosen for the default sizes.
         """
         p, redundant = self._own_home or (self._module.HOME_P, self._module.HOME_REDUNDANT)
         first, second, third = redundant

@@ -111,7 +111,7 @@ class SubLeg(ABC):
     """The coordinate of a redundant sub-leg that is free when its end point is given."""
     links: tuple[Link, ...] = ()
     actuated_at: tuple[str, ...] = ()
-    """Where each actuator is, for pictures: the name of a point, or of the link whose length (or turn) it is."""
+    """Where each actuator is, for pictures: a point, or the link whose length (or turn) it is, by name."""
     requirements: tuple[Requirement, ...] = ()
     """What it requires of the sizes of all three legs together."""
     default_mode: str = ONLY

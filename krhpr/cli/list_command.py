@@ -89,6 +89,7 @@ def facts(robot: Robot) -> dict[str, Any]:
 def _row(about: dict[str, Any]) -> tuple[object, ...]:
     letters = " ".join(kind[0].upper() for kind in about["actuators"].values())
     count = about["assembly_mode_count"]
+    type_2 = [factor.removeprefix("det ") for factor in about["type_2_factors"]]
     at_most = "up to " if count > 2 else ""
     by_point = " by point" if about["assembly_mode_by_point"] else ""
     return (
@@ -98,7 +99,7 @@ def _row(about: dict[str, Any]) -> tuple[object, ...]:
         f"3 x {len(about['actuators'])}: {letters}",
         len(about["working_modes"]),
         f"{at_most}{count}{by_point}",
-        f"{_short(list(about['singular_factors']))}; {', '.join(factor.removeprefix('det ') for factor in about['type_2_factors'])}",
+        f"{_short(list(about['singular_factors']))}; {', '.join(type_2)}",
         about["thesis"]["sub-leg"],
     )
 
@@ -117,8 +118,8 @@ def _short(names: Sequence[str]) -> str:
 
 COMMAND = Command(
     "list",
-    "List the robots.  Modes, working and assembly ones, are those of one leg; dof are those of the platform and "
-    "the redundant ones; R and P are actuated joints.  `krhpr info ROBOT` says more.",
+    "List the robots.  Modes, working and assembly ones, are those of one leg; dof are those of the platform "
+    "and the redundant ones; R and P are actuated joints.  `krhpr info ROBOT` says more.",
     "examples:\n  krhpr list\n  krhpr list --space planar --arrangement a\n  krhpr list --sub-leg rrr\n"
     "  krhpr list --json",
     add_arguments,
