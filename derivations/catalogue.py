@@ -30,10 +30,21 @@ from krhpr.derivations.sublegs.rrr import RRR
 from krhpr.derivations.sublegs.rrrr import RRRR
 from krhpr.derivations.sublegs.tripods import UPS3, UPU3
 from krhpr.derivations.sublegs.tripteron import Tripteron
+from krhpr.derivations.terms import JointKind, Space
 
 Triple = tuple[float, float, float]
 Sizes = Mapping[str, float | Triple]
 """A value for each field: one for all legs, or three."""
+
+
+@dataclass(frozen=True)
+class Home:
+    """A pose at which a robot of default size is far from every singularity in its default working mode: the
+    platform's position, parallel to the base, and the redundant coordinates.
+    """
+
+    p: tuple[float, ...]
+    redundant: Triple
 
 
 @dataclass(frozen=True)
@@ -42,6 +53,7 @@ class Entry:
 
     robot: Robot
     sizes: Mapping[str, Triple]
+    home: Home
     title: str
     thesis: str
 
@@ -89,7 +101,10 @@ SUBLEGS: tuple[tuple[SubLeg, Sizes], ...] = (
         PlanarFiveBarCoupler(),
         {**_PLANE, "l_0": 0.0, "l_2": 0.08, "l_3": 0.15, "l_4": 0.15, "l_5": 0.24, "l_6": 0.16},
     ),
-    (PRR2(), {**_PLANE, "l_0": 0.3, "slide_1": pi, "slide_2": pi, "l_1": 0.2, "l_2": 0.2}),
+    (
+        PRR2(),
+        {**_PLANE, "R_b": 0.32, "l_0": 0.2, "slide_1": pi, "slide_2": pi, "l_1": 0.2, "l_2": 0.2},
+    ),
     (RPR2(), {**_PLANE, "l_0": 0.2}),
     (PlanarRRR(), {**_PLANE, "l_1": 0.11, "l_2": 0.1, "l_3": 0.06}),
 )
@@ -116,6 +131,12 @@ PLATFORMS: tuple[tuple[Platform, Sizes], ...] = (
 _OWN_PLACE = {"spatial_r_fivebar_a": ("the flagship of Chapter 1", "1")}
 """Robots that the thesis treats by themselves: title and section."""
 
+_HOME_HEIGHT = 0.35  # Section 1.8
+_HOME_BETA = radians(97.0)
+_HOME_SLIDE = 0.11
+_OWN_SLIDES = {"spatial_upu3_b": 0.05}
+"""Slides at home where the usual ones bring the sub-legs near a constraint singularity."""
+
 
 def catalogue() -> tuple[Entry, ...]:
     """Every robot: sub-leg by sub-leg, each in the arrangements of its space."""
@@ -130,9 +151,17 @@ def catalogue() -> tuple[Entry, ...]:
 def _entry(subleg: SubLeg, platform: Platform, sizes: Sizes) -> Entry:
     robot = Robot(subleg, platform)
     title = f"{subleg.notation} sub-legs, arrangement ({platform.arrangement})"
-    thesis = ", ".join(dict.fromkeys((subleg.section, platform.section)))
+    sections = f"{subleg.section}, {platform.section}".split(", ")
+    thesis = ", ".join(dict.fromkeys(sections))
     title, thesis = _OWN_PLACE.get(robot.identifier, (title, thesis))
-    return Entry(robot, {name: _triple(value) for name, value in sizes.items()}, title, thesis)
+    return Entry(robot, {name: _triple(value) for name, value in sizes.items()}, _home(robot), title, thesis)
+
+
+def _home(robot: Robot) -> Home:
+    p = (0.0, 0.0) if robot.space is Space.PLANAR else (0.0, 0.0, _HOME_HEIGHT)
+    if robot.platform.redundant_joint.kind is JointKind.REVOLUTE:
+        return Home(p, _triple(_HOME_BETA))
+    return Home(p, _triple(_OWN_SLIDES.get(robot.identifier, _HOME_SLIDE)))
 
 
 def _triple(value: float | Triple) -> Triple:

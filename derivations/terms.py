@@ -91,6 +91,7 @@ class LinkKind(StrEnum):
     CRANK = "crank"
     ROD = "rod"
     STRUT = "strut"
+    PARALLELOGRAM = "parallelogram"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ Every point comes from the generated functions: joints from `inverse`, their pla
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -33,6 +33,7 @@ class Kind(StrEnum):
     CRANK = "crank"
     ROD = "rod"
     STRUT = "strut"
+    PARALLELOGRAM = "parallelogram"
     REDUNDANT = "redundant"
 
 
@@ -44,9 +45,12 @@ COLOURS: Mapping[Kind, str] = {
     Kind.CRANK: "#009e73",
     Kind.ROD: "#a05a90",
     Kind.STRUT: "#0072b2",
+    Kind.PARALLELOGRAM: "#d55e00",
     Kind.REDUNDANT: "#111111",
 }
 PLATFORM_COLOUR = "#e6b800"
+RAIL_COLOUR, CYLINDER_COLOUR, BAR_COLOUR = "#c9d3da", "#7fa8c9", "#e08a4a"
+ACTUATOR_COLOURS: Mapping[str, str] = {"revolute": "#cc0000", "prismatic": "#0b8f3c"}
 
 
 @dataclass(frozen=True)
@@ -78,11 +82,22 @@ class Skeleton:
     theta: Array
     origin: Array
     axes: Array
+    slides: Array | None = None
+    """Directions of the platform's slides in the base frame, a row for each leg; None without slides."""
+    middles: Array | None = None
+    """Where on the slides the redundant coordinates are zero."""
 
     @property
     def platform(self) -> Array:
-        """The platform's corners: its revolute joints, or the end points where it has none."""
+        """The platform's joints: revolute ones or sliders, or the end points where these slide on it."""
         return self.points["B"] if "B" in self.points else self.points["S"]
+
+    @property
+    def feet(self) -> Array | None:
+        """Where the legs stand: A, c, or the middle of three joints; None where no point is fixed."""
+        if "G_1" in self.points:
+            return (self.points["G_1"] + self.points["G_2"] + self.points["G_3"]) / 3
+        return self.points.get("A", self.points.get("c"))
 
     def of_leg(self, leg: int) -> tuple[Link, ...]:
         """The links of one leg (1 to 3), from the base to the platform."""
@@ -119,7 +134,12 @@ def skeleton(
         for name, kind, start, end in chain
     )
     axes = _rotation(orientation) if robot.planar else np.asarray(orientation, dtype=float)
-    return Skeleton(points, links, np.asarray(theta), np.asarray(p, dtype=float), axes)
+    found = Skeleton(points, links, np.asarray(theta), np.asarray(p, dtype=float), axes)
+    if robot.signature("passive_joints").outputs[-1].unit != "m":
+        return found
+    d = np.broadcast_to(np.asarray(redundant, dtype=float), (3,))
+    along = np.asarray(robot.end_points(p, orientation, d + 1.0)) - s
+    return replace(found, slides=along, middles=found.platform - d[:, np.newaxis] * along)
 
 
 def _rotation(phi: ArrayLike) -> Array:
@@ -150,15 +170,16 @@ def draw(
     draw_base(ax, bones)
     draw_platform(ax, bones)
     for link in bones.links:
+        _draw_around(ax, link, bones)
         draw_link(ax, link)
     for points in bones.points.values():
         draw_joints(ax, points)
     _frame_picture(ax, bones)
     if labels:
-        centre = _on_page(ax, bones.platform.mean(axis=0))
+        centre = on_page(ax, bones.platform.mean(axis=0))
         for name, distance in (("S", 13), ("B", -13)):  # end points outwards, platform joints inwards
             for i, point in enumerate(bones.points.get(name, ())):
-                away = _on_page(ax, point) - centre
+                away = on_page(ax, point) - centre
                 shift = distance * away / max(float(np.linalg.norm(away)), 1e-9)
                 label(ax, point, f"${name}_{i + 1}$", shift, leader=False, ha="center", va="center")
     return ax
@@ -176,10 +197,56 @@ def _new_axes(planar: bool) -> Any:
 
 
 def draw_link(ax: Any, link: Link, **style: Any) -> None:
-    """One link as a thick line; `style` goes to Matplotlib's plot."""
-    width = 2.2 if link.kind is Kind.FIXED else 3.4
-    options = {"color": COLOURS[link.kind], "linewidth": width, "solid_capstyle": "round", **style}
+    """One link as a thick line, a slide's or a strut's travel as a thin one; `style` goes to Matplotlib's
+    plot.
+    """
+    options = {"color": COLOURS[link.kind], "linewidth": 3.4, "solid_capstyle": "round"}
+    options |= {**_STYLES.get(link.kind, {}), **style}
     _plot(ax, np.stack([link.start, link.end]), **options)
+
+
+_STYLES: Mapping[Kind, Mapping[str, Any]] = {
+    Kind.FIXED: {"linewidth": 2.2},
+    Kind.SLIDE: {"linewidth": 1.8},
+    Kind.STRUT: {"linewidth": 2.4},
+    Kind.PARALLELOGRAM: {"linewidth": 0.8, "linestyle": (0, (3, 2))},
+}
+
+
+def _draw_around(ax: Any, link: Link, bones: Skeleton) -> None:
+    """What a link has around its line: a slide its rail, a strut its cylinder, a parallelogram its bars."""
+    ends = np.stack([link.start, link.end])
+    along = link.end - link.start
+    if link.kind is Kind.SLIDE:
+        reach = 0.1 * along + _RAIL * along / max(link.length, 1e-9)
+        _plot(
+            ax,
+            ends + np.stack([-reach, reach]),
+            color=RAIL_COLOUR,
+            linewidth=7,
+            solid_capstyle="butt",
+            zorder=1.5,
+        )
+    elif link.kind is Kind.STRUT:
+        cylinder = np.stack([link.start, link.start + 0.55 * along])
+        _plot(ax, cylinder, color=CYLINDER_COLOUR, linewidth=7, solid_capstyle="butt", zorder=1.5)
+    elif link.kind is Kind.PARALLELOGRAM:
+        across = _parallelogram_axis(link, bones)
+        bars = [ends + side * across for side in (-1, 1)]
+        for bar in (*bars, *(np.stack([bars[0][i], bars[1][i]]) for i in (0, 1))):
+            _plot(ax, bar, color=BAR_COLOUR, linewidth=2.2, solid_capstyle="round", zorder=1.8)
+
+
+_RAIL = 0.02
+"""What a rail reaches beyond the slider's travel, in the unit of length."""
+
+
+def _parallelogram_axis(link: Link, bones: Skeleton) -> Array:
+    """Half of a short side: normal to the arm that carries the parallelogram, and level."""
+    arm = next(other for other in bones.of_leg(link.leg) if np.array_equal(other.end, link.start))
+    level = np.cross(arm.end - arm.start, [0.0, 0.0, 1.0])
+    half: Array = 0.05 * link.length * level / max(float(np.linalg.norm(level)), 1e-9)
+    return half
 
 
 def draw_joints(ax: Any, points: Array, **style: Any) -> None:
@@ -189,20 +256,26 @@ def draw_joints(ax: Any, points: Array, **style: Any) -> None:
 
 
 def draw_base(ax: Any, bones: Skeleton) -> None:
-    """The triangle of the base joints."""
-    _plot(ax, _closed(bones.points["A"]), color="#888888", linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
+    """The triangle of the base joints, or of the centres of what stands for them."""
+    feet = bones.feet
+    if "G_1" in bones.points:
+        for i in range(3):
+            ring = np.stack([bones.points[f"G_{n}"][i] for n in (1, 2, 3)])
+            _plot(ax, _closed(ring), color="#888888", linewidth=1.2, zorder=1)
+    if feet is not None:
+        _plot(ax, _closed(feet), color="#888888", linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
 
 
 def draw_platform(ax: Any, bones: Skeleton) -> None:
-    """The platform: the triangle of its joints, or, where end points slide, the slides from its centre."""
-    corners = bones.platform
-    if "B" in bones.points:
+    """The platform: the triangle of its joints, or its slides and what joins them."""
+    corners = bones.platform if bones.middles is None else bones.middles
+    if np.ptp(corners, axis=0).max() > 1e-9:
         _fill(ax, corners)
-        _plot(ax, _closed(corners), color=PLATFORM_COLOUR, linewidth=2.4)
-        return
-    for corner in corners:
-        reach = bones.origin + 1.25 * (corner - bones.origin)
-        _plot(ax, np.stack([bones.origin, reach]), color=PLATFORM_COLOUR, linewidth=5, solid_capstyle="butt")
+        _plot(ax, _closed(corners), color=PLATFORM_COLOUR, linewidth=2.4, zorder=1.6)
+    for corner, middle in zip(bones.platform, corners, strict=True):
+        if bones.slides is not None:
+            rail = np.stack([middle, corner + 0.25 * (corner - middle)])
+            _plot(ax, rail, color=PLATFORM_COLOUR, linewidth=5, solid_capstyle="butt", zorder=1.6)
 
 
 def draw_frame(ax: Any, origin: ArrayLike, axes: ArrayLike, length: float, names: Sequence[str] = ()) -> None:
@@ -216,7 +289,7 @@ def draw_frame(ax: Any, origin: ArrayLike, axes: ArrayLike, length: float, names
             arrow = {"arrowstyle": "-|>", "color": "#111111", "shrinkA": 0, "shrinkB": 0, "linewidth": 1.1}
             ax.annotate("", start + along, start, arrowprops=arrow)
         if names:
-            step = _on_page(ax, start + along) - _on_page(ax, start)
+            step = on_page(ax, start + along) - on_page(ax, start)
             shift = 8 * step / max(float(np.linalg.norm(step)), 1e-9)
             label(ax, start + along, names[index], shift, leader=False, ha="center", va="center")
 
@@ -229,7 +302,7 @@ def label(
     options = {"fontsize": 11, "zorder": 20, **style}
     return ax.annotate(
         text,
-        _on_page(ax, point),
+        on_page(ax, point),
         np.asarray(offset, dtype=float),
         textcoords="offset points",
         arrowprops=arrow if leader else None,
@@ -238,7 +311,7 @@ def label(
     )
 
 
-def _on_page(ax: Any, point: ArrayLike) -> Array:
+def on_page(ax: Any, point: ArrayLike) -> Array:
     """A point in the coordinates of the page: projected where the axes are three-dimensional."""
     position = np.asarray(point, dtype=float)
     if ax.name == "3d":
@@ -267,7 +340,8 @@ def _fill(ax: Any, corners: Array) -> None:
 
 def _frame_picture(ax: Any, bones: Skeleton) -> None:
     """Equal scales, no box, limits that hold every point."""
-    everything = np.vstack([*bones.points.values(), bones.origin[np.newaxis]])
+    middles = () if bones.middles is None else (bones.middles,)
+    everything = np.vstack([*bones.points.values(), *middles, bones.origin[np.newaxis]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     middle, half = (low + high) / 2, 0.54 * (high - low) + 1e-9
     ax.set_axis_off()
@@ -281,6 +355,7 @@ def _frame_picture(ax: Any, bones: Skeleton) -> None:
 
 
 __all__ = [
+    "ACTUATOR_COLOURS",
     "COLOURS",
     "Kind",
     "Link",
@@ -292,5 +367,6 @@ __all__ = [
     "draw_link",
     "draw_platform",
     "label",
+    "on_page",
     "skeleton",
 ]

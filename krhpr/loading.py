@@ -55,7 +55,8 @@ def _checked(path: Path) -> tuple[RobotFile, ModuleType, Geometry]:
 
 def _load_file(path: Path, backend: str | None) -> Robot:
     file, module, geometry = _checked(path)
-    return Robot(module, geometry, backend, name=file.name, limits=file.limits)
+    home = None if file.home is None else (file.home.p, file.home.redundant)
+    return Robot(module, geometry, backend, name=file.name, limits=file.limits, home=home)
 
 
 def _module(identifier: str) -> ModuleType:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from importlib import import_module
 from types import ModuleType
-from typing import Any, TypedDict, Unpack
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,15 @@ ROTATION_TOLERANCE = 1e-6
 
 Branch = str | Sequence[str] | ArrayLike
 """A working or assembly mode: its label, a label for each leg, or signs of shape (..., 3, signs)."""
+
+
+class Home(NamedTuple):
+    """A pose with its redundant coordinates, in the order in which functions take them."""
+
+    p: tuple[float, ...]
+    orientation: Any
+    """Q, or phi for a planar robot."""
+    redundant: tuple[float, float, float]
 
 
 class Options(TypedDict, total=False):
@@ -54,6 +63,7 @@ class Robot:
         *,
         name: str | None = None,
         limits: Limits | None = None,
+        home: tuple[Sequence[float], Sequence[float]] | None = None,
     ) -> None:
         self._module = module
         self._backend_name = backend
@@ -61,6 +71,7 @@ class Robot:
         """What it is called: the name in its robot file, else the catalogue's identifier."""
         self.limits: Limits = Limits() if limits is None else limits
         """Limits of joints and links that its robot file gives; nothing is held to them by itself."""
+        self._own_home = home
         self.geometry: Geometry = module.DEFAULT_GEOMETRY if geometry is None else geometry
 
     # -- what it is -----------------------------------------------------------------------------------------
@@ -84,6 +95,22 @@ class Robot:
     def planar(self) -> bool:
         """Whether it moves in the plane (p, phi) or in space (p, Q)."""
         return self.identifier.startswith("planar")
+
+    @property
+    def home(self) -> Home:
+        """Its home pose: `robot.inverse(*robot.home)`.
+
+        That of its robot file, else the catalogue's, which is chosen for the default sizes.
+        """
+        p, redundant = self._own_home or (self._module.HOME_P, self._module.HOME_REDUNDANT)
+        first, second, third = redundant
+        return Home(tuple(p), 0.0 if self.planar else np.eye(3), (first, second, third))
+
+    @property
+    def degrees_of_freedom(self) -> tuple[int, int]:
+        """Those of the platform, and the redundant ones: (6, 3)."""
+        freedom = dict(self.documentation["freedom"])
+        return int(freedom["platform"]), int(freedom["redundancy"])
 
     @property
     def modes(self) -> tuple[str, ...]:
@@ -158,7 +185,14 @@ class Robot:
         legs differ.
         """
         geometry = self.geometry.replace(**changes)
-        return Robot(self._module, geometry, self._backend_name, name=self.name, limits=self.limits)
+        return Robot(
+            self._module,
+            geometry,
+            self._backend_name,
+            name=self.name,
+            limits=self.limits,
+            home=self._own_home,
+        )
 
     @property
     def backend(self) -> BackendName:
@@ -171,8 +205,8 @@ class Robot:
         return CasadiFunctions(self.identifier, self.geometry)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        state = (self._module.__name__, self.geometry, self._backend_name, self.name, self.limits)
-        return _restored, state
+        own = (self.name, self.limits, self._own_home)
+        return _restored, (self._module.__name__, self.geometry, self._backend_name, *own)
 
     def __repr__(self) -> str:
         own = "" if self.name == self.identifier else f"{self.name}, "
@@ -649,9 +683,16 @@ _MEANING = {
 }
 
 
-def _restored(module: str, geometry: Geometry, backend: str | None, name: str, limits: Limits) -> Robot:
+def _restored(
+    module: str,
+    geometry: Geometry,
+    backend: str | None,
+    name: str,
+    limits: Limits,
+    home: tuple[Sequence[float], Sequence[float]] | None,
+) -> Robot:
     """A robot out of a pickle."""
-    return Robot(import_module(module), geometry, backend, name=name, limits=limits)
+    return Robot(import_module(module), geometry, backend, name=name, limits=limits, home=home)
 
 
 def _shape_text(port: Port) -> str:

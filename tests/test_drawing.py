@@ -26,19 +26,21 @@ def rotation(vector: Any) -> Any:
 
 
 def configurations(robot: krhpr.Robot, count: int) -> Iterator[tuple[Any, Any, Any, str]]:
-    """Poses in reach near the middle of the workspace, each with a working mode."""
+    """Poses in reach near home, each with a working mode."""
     rng = np.random.default_rng(7)
-    modes = robot.modes
+    home = robot.home
+    modes = [mode for mode in robot.modes if not np.isnan(robot.inverse(*home, mode=mode)).any()]
+    slides = robot.signature("passive_joints").outputs[-1].unit == "m"
     made = 0
     while made < count:
         if robot.planar:
-            p, orientation = rng.uniform(-0.03, 0.03, 2), rng.uniform(-0.3, 0.3)
+            p, orientation = rng.uniform(-0.02, 0.02, 2), rng.uniform(-0.3, 0.3)
         else:
             p, orientation = (
                 np.array([0, 0, 0.35]) + rng.uniform(-0.04, 0.04, 3),
                 rotation(rng.uniform(-0.3, 0.3, 3)),
             )
-        redundant = rng.uniform(0.08, 0.14, 3) if robot.identifier.endswith(("b", "c")) else rng.uniform(0.7, 2.4, 3)
+        redundant = home.redundant + (rng.uniform(-0.03, 0.03, 3) if slides else rng.uniform(-0.9, 0.7, 3))
         mode = modes[made % len(modes)]
         if not np.isnan(robot.inverse(p, orientation, redundant, mode=mode)).any():
             yield p, orientation, redundant, mode

@@ -105,9 +105,13 @@ class SubLeg(ABC):
     forward_signs: tuple[Sign, ...] = ()
     forward_near: bool = False
     """Whether the assembly mode is chosen by a point near the end point instead of signs."""
+    assemblies_near: int = 2
+    """The most assembly modes where they are chosen so, or by Newton steps (errata, 4)."""
     swivel: Joint | None = None
     """The coordinate of a redundant sub-leg that is free when its end point is given."""
     links: tuple[Link, ...] = ()
+    actuated_at: tuple[str, ...] = ()
+    """Where each actuator is, for pictures: a point, or the link whose length (or turn) it is, by name."""
     requirements: tuple[Requirement, ...] = ()
     """What it requires of the sizes of all three legs together."""
     default_mode: str = ONLY
@@ -207,6 +211,16 @@ class SubLeg(ABC):
     def assemblies(self) -> tuple[Mode, ...]:
         """Assembly modes that signs tell apart (`only` where there is no choice)."""
         return branches(self.forward_signs)
+
+    @property
+    def assembly_count(self) -> int:
+        """The most assembly modes that it has for the same actuated joints."""
+        return self.assemblies_near if self.assembly_by_point else len(self.assemblies)
+
+    @property
+    def assembly_by_point(self) -> bool:
+        """Whether a point near the end point chooses its assembly mode."""
+        return self.forward_near or not self.has_forward
 
     def ports(self) -> SubLegPorts:
         """The ports of its kernels."""

@@ -35,6 +35,7 @@ class CPR3(ChainSubLeg):
     section = "2.4.3"
     doc = "Parallel sub-leg: three chains of a cylindrical, an actuated prismatic and a revolute joint."
     equations = "2.4.3"
+    assemblies_near = 8
     actuated = "rho_{0} = 0: S_i on axis {0} as the platform sees it"
     actuators = tuple(
         Joint(f"rho_{n}", JointKind.PRISMATIC, f"distance from axis {n}, positive") for n in CHAINS
@@ -47,6 +48,7 @@ class CPR3(ChainSubLeg):
             Joint(f"travel_{n}", JointKind.PRISMATIC, f"cylindrical joint {n} along e_{n}, from g_{n}"),
         )
     )
+    actuated_at = tuple(f"rho_{n}" for n in CHAINS)
     links = tuple(Link(f"rho_{n}", LinkKind.STRUT, f"C_{n}", "S") for n in CHAINS)
 
     def geometry(self) -> GeometryType:

@@ -53,11 +53,12 @@ class Delta(ChainSubLeg):
         Sign(f"arm_{n}", f"{n}+", f"{n}-", f"sign of w_{n}^T (dg_{n}/dtheta_{n}), of the lever of arm {n}")
         for n in ARMS
     )
+    actuated_at = tuple(f"G_{n}" for n in ARMS)
     links = (
         *(Link("L", LinkKind.PROXIMAL, f"G_{n}", f"K_{n}") for n in ARMS),
-        *(Link("R", LinkKind.DISTAL, f"K_{n}", "S") for n in ARMS),
+        *(Link("R", LinkKind.PARALLELOGRAM, f"K_{n}", "S") for n in ARMS),
     )
-    default_mode = "1-/2-/3-"
+    default_mode = "1+/2+/3+"
 
     def geometry(self) -> GeometryType:
         lengths = (

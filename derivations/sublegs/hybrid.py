@@ -35,6 +35,7 @@ class RFiveBar(CarriedLinkage):
     inverse_signs: tuple[Sign, ...] = (*carrier.signs, *linkage.signs)
     forward_signs = linkage.forward_signs
     links = (*carrier.links, *linkage.links(carrier.origin))
+    actuated_at = ("A", "c", "c")
     default_mode = "front/elbow-/rod-"
     default_assembly = "left"
 
@@ -54,4 +55,5 @@ class PFiveBar(RFiveBar):
     actuators = (carrier.joint, *RFiveBar.actuators[1:])
     inverse_signs = RFiveBar.linkage.signs
     links = (*carrier.links, *RFiveBar.linkage.links(carrier.origin))
+    actuated_at = ("d", "D", "D")
     default_mode = "elbow-/rod-"

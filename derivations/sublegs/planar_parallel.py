@@ -45,6 +45,7 @@ class PlanarFiveBar(PlanarLinkage):
     inverse_signs = linkage.signs
     forward_signs = linkage.forward_signs
     links = linkage.links("A")
+    actuated_at = ("A", "A_2")
     default_mode = "elbow+/rod+"
     default_assembly = "right"
 
@@ -113,6 +114,7 @@ class PRR2(PlanarPair):
         Link("rho_2", LinkKind.SLIDE, "A_2", "D_2"),
         Link("l_2", LinkKind.DISTAL, "D_2", "S"),
     )
+    actuated_at = ("rho_1", "rho_2")
     default_mode = "1-ahead/2-ahead"
 
     def geometry(self) -> GeometryType:
@@ -191,6 +193,7 @@ class RPR2(PlanarPair):
         Joint("meeting", JointKind.REVOLUTE, "strut 2 relative to strut 1, in r"),
     )
     links = (Link("rho_1", LinkKind.STRUT, "A", "S"), Link("rho_2", LinkKind.STRUT, "A_2", "S"))
+    actuated_at = ("rho_1", "rho_2")
 
     def geometry(self) -> GeometryType:
         return planar_geometry(f"subleg_planar_{self.name}", self.doc, (AXES_DISTANCE,), (RADIAL,))

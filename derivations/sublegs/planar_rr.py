@@ -22,4 +22,5 @@ class RR(PlanarLinkage):
     )
     inverse_signs = linkage.signs
     links = linkage.links("A")
+    actuated_at = ("A", "E")
     default_mode = "elbow+"

@@ -41,6 +41,7 @@ class PlanarRRR(SubLeg):
         Link("l_2", LinkKind.PROXIMAL, "E", "W"),
         Link("l_3", LinkKind.DISTAL, "W", "S"),
     )
+    actuated_at = ("A", "E", "W")
     default_mode = "elbow+"
 
     def geometry(self) -> GeometryType:

@@ -41,6 +41,7 @@ class PR(SubLeg):
     )
     inverse_signs = (Sign("link", "ahead", "behind", "sign of the link's part along e"),)
     links = (Link("rho", LinkKind.SLIDE, "A", "D"), Link("l_1", LinkKind.DISTAL, "D", "S"))
+    actuated_at = ("rho", "D")
     default_mode = "ahead"
 
     def geometry(self) -> GeometryType:
@@ -105,6 +106,7 @@ class RP(SubLeg):
     )
     inverse_signs = (Sign("slide", "rho+", "rho-", "sign of rho"),)
     links = (Link("h", LinkKind.FIXED, "A", "D"), Link("rho", LinkKind.SLIDE, "D", "S"))
+    actuated_at = ("A", "rho")
     default_mode = "rho+"
 
     def geometry(self) -> GeometryType:
@@ -171,6 +173,7 @@ class PP(SubLeg):
         Joint("rho_2", JointKind.PRISMATIC, "slide along e_2 on the first one"),
     )
     links = (Link("rho_1", LinkKind.SLIDE, "A", "D"), Link("rho_2", LinkKind.SLIDE, "D", "S"))
+    actuated_at = ("rho_1", "rho_2")
 
     def geometry(self) -> GeometryType:
         fields = (slide_field("slide_1", "the first slide"), slide_field("slide_2", "the second slide"))

@@ -32,6 +32,7 @@ class PRR(CarriedLinkage):
     )
     inverse_signs = linkage.signs
     links = (*carrier.links, *linkage.links(carrier.origin))
+    actuated_at = ("d", "D", "E")
     default_mode = "elbow-"
 
 

@@ -33,4 +33,5 @@ class RRR(CarriedLinkage):
     )
     inverse_signs = (*carrier.signs, *linkage.signs)
     links = (*carrier.links, *linkage.links(carrier.origin))
+    actuated_at = ("A", "c", "E")
     default_mode = "front/elbow-"

@@ -62,6 +62,7 @@ class RRRR(SubLeg):
         Link("l_2", LinkKind.PROXIMAL, "c", "E"),
         Link("l_3", LinkKind.DISTAL, "E", "S"),
     )
+    actuated_at = ("A", "c", "l_2", "E")
     default_mode = "back/elbow-"
 
     def geometry(self) -> GeometryType:

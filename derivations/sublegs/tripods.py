@@ -45,6 +45,7 @@ class UPS3(ChainSubLeg):
             ("lean", "about its second axis, zero where the strut is normal to e_x"),
         )
     )
+    actuated_at = tuple(f"rho_{n}" for n in STRUTS)
     links = tuple(Link(f"rho_{n}", LinkKind.STRUT, f"G_{n}", "S") for n in STRUTS)
 
     def geometry(self) -> GeometryType:

@@ -45,6 +45,7 @@ class Tripteron(SubLeg):
             ("elbow", "second link relative to the first, positive"),
         )
     )
+    actuated_at = tuple(f"rho_{n}" for n in SLIDES)
     links = tuple(
         link
         for n in SLIDES

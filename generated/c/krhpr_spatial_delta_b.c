@@ -7,7 +7,7 @@
 
 #include "krhpr_algebra_spatial.h"
 
-static const double mode_default[9] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
+static const double mode_default[9] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 
 KRHPR_API int krhpr_spatial_delta_b_prepare(krhpr_spatial_delta_b_geometry *g)
 {

@@ -75,6 +75,8 @@ LINKS = (
     ("l_5", "distal", "P", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -113,6 +115,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "crank u_1 (l_4), from the x axis of the base"),
         ("theta_2", "crank u_2 (l_2), from the x axis of the base"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "A_2"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -140,6 +146,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -76,6 +76,8 @@ LINKS = (
     ("l_5", "distal", "P", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -110,6 +112,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "crank u_1 (l_4), from the x axis of the base"),
         ("theta_2", "crank u_2 (l_2), from the x axis of the base"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "A_2"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -137,6 +143,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -74,6 +74,8 @@ LINKS = (
     ("l_2", "distal", "D_2", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -106,6 +108,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "slide along e_1, from the first base joint"),
         ("rho_2", "slide along e_2, from the second base joint"),
     ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
+    ),
     "joint kinds": (
         ("rho_1", "prismatic"),
         ("rho_2", "prismatic"),
@@ -134,6 +140,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "requirements": (
     ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
+    ),
     "sections": (
         ("sub-leg", "2.2.3"),
         ("platform", "2.2"),
@@ -143,8 +157,8 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
 DEFAULT_GEOMETRY = Geometry(
     {
         "azimuth": (3.6651914291880923, 5.759586531581287, 1.5707963267948966),
-        "R_b": (0.25, 0.25, 0.25),
-        "l_0": (0.3, 0.3, 0.3),
+        "R_b": (0.32, 0.32, 0.32),
+        "l_0": (0.2, 0.2, 0.2),
         "slide_1": (3.141592653589793, 3.141592653589793, 3.141592653589793),
         "slide_2": (3.141592653589793, 3.141592653589793, 3.141592653589793),
         "l_1": (0.2, 0.2, 0.2),

@@ -68,6 +68,8 @@ LINKS = (
     ("rho", "slide", "D", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -94,6 +96,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta", "direction u of the slide, from the x axis of the base"),
         ("rho", "slide along u"),
     ),
+    "actuated at": (
+        ("theta", "A"),
+        ("rho", "rho"),
+    ),
     "joint kinds": (
         ("theta", "revolute"),
         ("rho", "prismatic"),
@@ -113,6 +119,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -68,6 +68,8 @@ LINKS = (
     ("rho", "slide", "D", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -96,6 +98,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta", "direction u of the slide, from the x axis of the base"),
         ("rho", "slide along u"),
     ),
+    "actuated at": (
+        ("theta", "A"),
+        ("rho", "rho"),
+    ),
     "joint kinds": (
         ("theta", "revolute"),
         ("rho", "prismatic"),
@@ -115,6 +121,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

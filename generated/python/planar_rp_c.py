@@ -68,6 +68,8 @@ LINKS = (
     ("rho", "slide", "D", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -90,6 +92,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta", "direction u of the slide, from the x axis of the base"),
         ("rho", "slide along u"),
     ),
+    "actuated at": (
+        ("theta", "A"),
+        ("rho", "rho"),
+    ),
     "joint kinds": (
         ("theta", "revolute"),
         ("rho", "prismatic"),
@@ -109,6 +115,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -69,6 +69,8 @@ LINKS = (
     ("rho_2", "strut", "A_2", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -94,6 +96,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "actuators": (
         ("rho_1", "length of the first strut"),
         ("rho_2", "length of the second strut"),
+    ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
     ),
     "joint kinds": (
         ("rho_1", "prismatic"),
@@ -122,6 +128,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

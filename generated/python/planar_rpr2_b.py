@@ -69,6 +69,8 @@ LINKS = (
     ("rho_2", "strut", "A_2", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -97,6 +99,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "length of the first strut"),
         ("rho_2", "length of the second strut"),
     ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
+    ),
     "joint kinds": (
         ("rho_1", "prismatic"),
         ("rho_2", "prismatic"),
@@ -124,6 +130,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

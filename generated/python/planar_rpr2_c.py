@@ -69,6 +69,8 @@ LINKS = (
     ("rho_2", "strut", "A_2", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -90,6 +92,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "actuators": (
         ("rho_1", "length of the first strut"),
         ("rho_2", "length of the second strut"),
+    ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
     ),
     "joint kinds": (
         ("rho_1", "prismatic"),
@@ -118,6 +124,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

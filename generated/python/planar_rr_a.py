@@ -68,6 +68,8 @@ LINKS = (
     ("l_2", "distal", "E", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -96,6 +98,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "first link, from the x axis of the base"),
         ("theta_2", "second link relative to the first"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -115,6 +121,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where the three redundant links' lines meet in a point or are parallel."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2"),

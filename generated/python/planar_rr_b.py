@@ -68,6 +68,8 @@ LINKS = (
     ("l_2", "distal", "E", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -98,6 +100,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "first link, from the x axis of the base"),
         ("theta_2", "second link relative to the first"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -117,6 +123,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2"),

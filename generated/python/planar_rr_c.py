@@ -68,6 +68,8 @@ LINKS = (
     ("l_2", "distal", "E", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -92,6 +94,10 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_1", "first link, from the x axis of the base"),
         ("theta_2", "second link relative to the first"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -111,6 +117,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only so)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2"),

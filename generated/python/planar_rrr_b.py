@@ -70,6 +70,8 @@ LINKS = (
     ("l_3", "distal", "W", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -103,6 +105,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "second link relative to the first"),
         ("theta_3", "last link relative to the second"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "E"),
+        ("theta_3", "W"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -124,6 +131,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "3"),
+        ("redundancy", "6"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.2.3"),

@@ -69,6 +69,8 @@ LINKS = (
     ("rho_3", "strut", "C_3", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -127,6 +129,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "distance from axis 2, positive"),
         ("rho_3", "distance from axis 3, positive"),
     ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
+        ("rho_3", "rho_3"),
+    ),
     "joint kinds": (
         ("rho_1", "prismatic"),
         ("rho_2", "prismatic"),
@@ -163,6 +170,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "requirements": (
         ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "8"),
+        ("chosen by", "point"),
     ),
     "sections": (
         ("sub-leg", "2.4.3"),

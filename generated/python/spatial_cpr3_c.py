@@ -69,6 +69,8 @@ LINKS = (
     ("rho_3", "strut", "C_3", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -123,6 +125,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "distance from axis 2, positive"),
         ("rho_3", "distance from axis 3, positive"),
     ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
+        ("rho_3", "rho_3"),
+    ),
     "joint kinds": (
         ("rho_1", "prismatic"),
         ("rho_2", "prismatic"),
@@ -158,6 +165,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "8"),
+        ("chosen by", "point"),
     ),
     "sections": (
         ("sub-leg", "2.4.3"),

@@ -66,7 +66,7 @@ MODES: dict[str, tuple[int, ...]] = {
     "1-/2-/3+": (-1, -1, 1),
     "1-/2-/3-": (-1, -1, -1),
 }
-DEFAULT_MODE = "1-/2-/3-"
+DEFAULT_MODE = "1+/2+/3+"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = "only"
@@ -75,11 +75,13 @@ LINKS = (
     ("L", "proximal", "G_1", "K_1"),
     ("L", "proximal", "G_2", "K_2"),
     ("L", "proximal", "G_3", "K_3"),
-    ("R", "distal", "K_1", "S"),
-    ("R", "distal", "K_2", "S"),
-    ("R", "distal", "K_3", "S"),
+    ("R", "parallelogram", "K_1", "S"),
+    ("R", "parallelogram", "K_2", "S"),
+    ("R", "parallelogram", "K_3", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -123,6 +125,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "arm 2, from the outward horizontal upwards"),
         ("theta_3", "arm 3, from the outward horizontal upwards"),
     ),
+    "actuated at": (
+        ("theta_1", "G_1"),
+        ("theta_2", "G_2"),
+        ("theta_3", "G_3"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -159,6 +166,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "requirements": (
         ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "point"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

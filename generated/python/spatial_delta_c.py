@@ -65,7 +65,7 @@ MODES: dict[str, tuple[int, ...]] = {
     "1-/2-/3+": (-1, -1, 1),
     "1-/2-/3-": (-1, -1, -1),
 }
-DEFAULT_MODE = "1-/2-/3-"
+DEFAULT_MODE = "1+/2+/3+"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = "only"
@@ -74,11 +74,13 @@ LINKS = (
     ("L", "proximal", "G_1", "K_1"),
     ("L", "proximal", "G_2", "K_2"),
     ("L", "proximal", "G_3", "K_3"),
-    ("R", "distal", "K_1", "S"),
-    ("R", "distal", "K_2", "S"),
-    ("R", "distal", "K_3", "S"),
+    ("R", "parallelogram", "K_1", "S"),
+    ("R", "parallelogram", "K_2", "S"),
+    ("R", "parallelogram", "K_3", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -118,6 +120,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "arm 2, from the outward horizontal upwards"),
         ("theta_3", "arm 3, from the outward horizontal upwards"),
     ),
+    "actuated at": (
+        ("theta_1", "G_1"),
+        ("theta_2", "G_2"),
+        ("theta_3", "G_3"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -153,6 +160,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "point"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

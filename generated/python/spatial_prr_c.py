@@ -71,6 +71,8 @@ LINKS = (
     ("l_3", "distal", "E", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -100,6 +102,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "about e_t; link i2 from e_x towards e_1"),
         ("theta_3", "about e_t; link i3 relative to link i2"),
     ),
+    "actuated at": (
+        ("d", "d"),
+        ("theta_2", "D"),
+        ("theta_3", "E"),
+    ),
     "joint kinds": (
         ("d", "prismatic"),
         ("theta_2", "revolute"),
@@ -120,6 +127,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

@@ -81,6 +81,8 @@ LINKS = (
     ("l_5", "distal", "P", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -123,6 +125,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "crank u_1 (l_4), from x towards e_1"),
         ("theta_3", "crank u_2 (l_2), from x towards e_1"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "c"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -153,6 +160,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "requirements": (
         ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "1.3, App. A, App. B"),

@@ -80,6 +80,8 @@ LINKS = (
     ("l_5", "distal", "P", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -122,6 +124,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "crank u_1 (l_4), from x towards e_1"),
         ("theta_3", "crank u_2 (l_2), from x towards e_1"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "c"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -151,6 +158,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "1.3, App. A, App. B"),

@@ -80,6 +80,8 @@ LINKS = (
     ("l_5", "distal", "P", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -118,6 +120,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "crank u_1 (l_4), from x towards e_1"),
         ("theta_3", "crank u_2 (l_2), from x towards e_1"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "c"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -147,6 +154,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "sign"),
     ),
     "sections": (
         ("sub-leg", "1.3, App. A, App. B"),

@@ -73,6 +73,8 @@ LINKS = (
     ("l_3", "distal", "E", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -107,6 +109,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_2", "about e_2; link i2 from x towards e_1"),
         ("theta_3", "about e_2; link i3 relative to link i2"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -130,10 +137,18 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "requirements": (
         ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
     ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
+    ),
     "sections": (
         ("sub-leg", "2.3"),
         ("platform", "1.3, 2.3"),
-        ("robot", "2.3, 1.3, 2.3"),
+        ("robot", "2.3, 1.3"),
     ),
 }
 DEFAULT_GEOMETRY = Geometry(

@@ -73,6 +73,8 @@ LINKS = (
     ("l_3", "distal", "E", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -108,6 +110,12 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_3", "about link i2; zero where the elbow's axis is e_2"),
         ("theta_4", "elbow; link i3 relative to link i2"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "l_2"),
+        ("theta_4", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -134,6 +142,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "requirements": (
         ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "6"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

@@ -73,6 +73,8 @@ LINKS = (
     ("l_3", "distal", "E", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -108,6 +110,12 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_3", "about link i2; zero where the elbow's axis is e_2"),
         ("theta_4", "elbow; link i3 relative to link i2"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "l_2"),
+        ("theta_4", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -133,6 +141,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "6"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

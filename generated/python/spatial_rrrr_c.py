@@ -73,6 +73,8 @@ LINKS = (
     ("l_3", "distal", "E", "S"),
 )
 REDUNDANT_LINK = ""
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -104,6 +106,12 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("theta_3", "about link i2; zero where the elbow's axis is e_2"),
         ("theta_4", "elbow; link i3 relative to link i2"),
     ),
+    "actuated at": (
+        ("theta_1", "A"),
+        ("theta_2", "c"),
+        ("theta_3", "l_2"),
+        ("theta_4", "E"),
+    ),
     "joint kinds": (
         ("theta_1", "revolute"),
         ("theta_2", "revolute"),
@@ -129,6 +137,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "6"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.4.1"),

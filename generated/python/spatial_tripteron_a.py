@@ -75,6 +75,8 @@ LINKS = (
     ("l_3", "distal", "E_3", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (1.6929693744344996, 1.6929693744344996, 1.6929693744344996)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -106,6 +108,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_1", "slide along e_x, from c"),
         ("rho_2", "slide along e_1, from c"),
         ("rho_3", "slide along e_t, from c"),
+    ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
+        ("rho_3", "rho_3"),
     ),
     "joint kinds": (
         ("rho_1", "prismatic"),
@@ -142,6 +149,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "requirements": (
         ("end_points_never_collinear", "no redundant angles bring S_1, S_2, S_3 onto a line (det J_n = 0): no line meets the three circles of radius l_r about B_i; with equal legs 120 deg apart, l_r < 3 R_p / 4, (1.35)"),
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "1"),
+        ("chosen by", ""),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

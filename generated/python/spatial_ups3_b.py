@@ -69,6 +69,8 @@ LINKS = (
     ("rho_3", "strut", "G_3", "S"),
 )
 REDUNDANT_LINK = "l_r"
+HOME_P = (0.0, 0.0, 0.35)
+HOME_REDUNDANT = (0.11, 0.11, 0.11)
 DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
     "geometry": (
         ("azimuth", "azimuth of the leg on the base"),
@@ -105,6 +107,11 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("rho_2", "length of strut 2"),
         ("rho_3", "length of strut 3"),
     ),
+    "actuated at": (
+        ("rho_1", "rho_1"),
+        ("rho_2", "rho_2"),
+        ("rho_3", "rho_3"),
+    ),
     "joint kinds": (
         ("rho_1", "prismatic"),
         ("rho_2", "prismatic"),
@@ -140,6 +147,14 @@ DOCUMENTATION: dict[str, tuple[tuple[str, str], ...]] = {
         ("singular set", "Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a = -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 = 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120 deg)."),
     ),
     "requirements": (
+    ),
+    "freedom": (
+        ("platform", "6"),
+        ("redundancy", "3"),
+    ),
+    "assemblies": (
+        ("count", "2"),
+        ("chosen by", "point"),
     ),
     "sections": (
         ("sub-leg", "2.4.4"),

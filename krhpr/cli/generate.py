@@ -180,7 +180,8 @@ def _custom(path: Path, known: Mapping[str, Entry], *, bake: bool) -> tuple[Entr
     from krhpr.loading import checked_file
 
     file = checked_file(path)
-    return known[file.identifier], Custom(file.name, file.sizes, file.limits, bake)
+    home = None if file.home is None else (file.home.p, file.home.redundant)
+    return known[file.identifier], Custom(file.name, file.sizes, file.limits, bake, home)
 
 
 def _baked(entry: Entry) -> Custom:

@@ -8,6 +8,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import krhpr
@@ -26,12 +27,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "robot", metavar="ROBOT", help="identifier, as `krhpr list` shows it, or a robot file"
     )
     parser.add_argument("--function", metavar="NAME", help="everything about one function")
+    parser.add_argument(
+        "--picture", metavar="FILE", help="draw the robot at its home pose instead: .png, .svg or .pdf"
+    )
+    parser.add_argument(
+        "--mode", metavar="LABEL", help="with --picture: the working mode, default unless given"
+    )
     parser.add_argument("--json", action="store_true", help="print an object")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print what a robot, or one of its functions, is."""
     robot = krhpr.load(options.robot, backend="numpy")
+    if options.picture is not None:
+        return _draw(robot, Path(options.picture), options.mode)
     if options.function is None:
         print(json.dumps(robot_facts(robot), indent=1) if options.json else _robot_text(robot, options.robot))
         return Exit.OK
@@ -40,6 +49,22 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(function_facts(signature), indent=1))
     else:
         print(_function_text(robot, signature, options.robot))
+    return Exit.OK
+
+
+def _draw(robot: Robot, path: Path, mode: str | None) -> int:
+    """Draw a picture; Matplotlib is needed for that alone."""
+    try:
+        import matplotlib
+    except ModuleNotFoundError as error:
+        raise WrongUse("a picture needs Matplotlib: pip install 'krhpr[plot]'") from error
+    from krhpr.picture import FORMATS, save_picture
+
+    if path.suffix.lower() not in FORMATS:
+        raise WrongUse(f"{path}: a picture's name ends in one of {', '.join(FORMATS)}")
+    matplotlib.use("Agg")
+    save_picture(robot, path, mode)
+    print(f"wrote {path}")
     return Exit.OK
 
 
@@ -289,7 +314,7 @@ COMMAND = Command(
     "info",
     "Show what a robot is.  Joints and their zeros, geometry, modes, singularities, functions.",
     "examples:\n  krhpr info spatial_rrr_a\n  krhpr info spatial_rrr_a --function inverse\n"
-    "  krhpr info spatial_rrr_a --json",
+    "  krhpr info spatial_delta_a --picture delta.svg\n  krhpr info spatial_rrr_a --json",
     add_arguments,
     run,
 )

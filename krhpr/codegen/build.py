@@ -74,12 +74,18 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
         angular=tuple(joint.kind == "revolute" for joint in subleg.actuators),
         links=tuple((link.name, str(link.kind), link.start, link.end) for link in subleg.links),
         redundant_link=platform.redundant_link,
+        home_p=entry.home.p,
+        home_redundant=entry.home.redundant,
         documentation={
             "geometry": tuple((field.name, field.doc) for field in _fields(entry)),
             "units": tuple((field.name, str(field.unit)) for field in _fields(entry)),
             "working mode": tuple((sign.name, _choice(sign)) for sign in subleg.inverse_signs),
             "assembly mode": tuple((sign.name, _choice(sign)) for sign in subleg.forward_signs),
             "actuators": tuple((joint.name, joint.doc) for joint in subleg.actuators),
+            "actuated at": tuple(
+                (joint.name, place)
+                for joint, place in zip(subleg.actuators, subleg.actuated_at, strict=bool(subleg.actuated_at))
+            ),
             "joint kinds": tuple(
                 (joint.name, str(joint.kind)) for joint in (*subleg.actuators, *subleg.passive_joints)
             ),
@@ -90,6 +96,14 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
             "type II": (("margins", platform.margins_doc), ("singular set", platform.type_2_doc)),
             "requirements": tuple(
                 (str(required), required.doc) for required in (*subleg.requirements, *platform.requirements)
+            ),
+            "freedom": (
+                ("platform", str(robot.space.degrees_of_freedom)),
+                ("redundancy", str(3 * subleg.n - robot.space.degrees_of_freedom)),
+            ),
+            "assemblies": (
+                ("count", str(subleg.assembly_count)),
+                ("chosen by", _assembly_choice(subleg)),
             ),
             "sections": (
                 ("sub-leg", subleg.section),
@@ -102,6 +116,12 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
 
 def _fields(entry: Entry) -> tuple[GeometryField, ...]:
     return (*entry.robot.subleg.geometry().fields, *entry.robot.platform.geometry().fields)
+
+
+def _assembly_choice(subleg: SubLeg) -> str:
+    if subleg.assembly_by_point:
+        return "point"
+    return "sign" if subleg.forward_signs else ""
 
 
 def _choice(sign: Sign) -> str:

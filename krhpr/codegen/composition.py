@@ -252,6 +252,9 @@ class RobotCode:
     links: tuple[tuple[str, str, str, str], ...]
     redundant_link: str
     documentation: Mapping[str, tuple[tuple[str, str], ...]]
+    home_p: tuple[float, ...]
+    """Where the platform stands at home, parallel to the base."""
+    home_redundant: tuple[float, float, float]
     limits: Limits = field(default_factory=Limits)
     """Of joints and links, out of a robot file."""
     baked: bool = False

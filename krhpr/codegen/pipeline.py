@@ -52,7 +52,8 @@ def derive(entries: Sequence[Entry] | None = None, progress: Progress = lambda s
 
 @dataclass(frozen=True)
 class Custom:
-    """What somebody's own robot has in place of the catalogue's: its name, sizes and limits.
+    """What somebody's own robot has in place of the catalogue's: its name, sizes, limits and
+    home pose (the catalogue's unless given).
 
     `baked`: the sizes become constants of the code, and no argument of its functions.
     """
@@ -61,6 +62,8 @@ class Custom:
     sizes: Mapping[str, tuple[float, float, float]]
     limits: Limits
     baked: bool = False
+    home: tuple[tuple[float, ...], tuple[float, float, float]] | None = None
+    """Position of the platform and redundant coordinates."""
 
 
 def customised(derived: Derived, customs: Sequence[Custom | None]) -> Derived:
@@ -68,11 +71,14 @@ def customised(derived: Derived, customs: Sequence[Custom | None]) -> Derived:
     robots, seconds = [], {}
     for robot, custom in zip(derived.robots, customs, strict=True):
         if custom is not None:
+            p, redundant = custom.home or (robot.home_p, robot.home_redundant)
             own = replace(
                 robot,
                 identifier=custom.name,
                 default_geometry={name: custom.sizes[name] for name in robot.default_geometry},
                 limits=custom.limits,
+                home_p=p,
+                home_redundant=redundant,
                 baked=custom.baked,
                 of=robot.identifier,
             )

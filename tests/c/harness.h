@@ -44,6 +44,7 @@ static inline int chosen(int n)
 /* A configuration: what ports of these names are given. */
 struct configuration {
     double p[3], Q[9], phi[1], redundant[3], mode[16], assembly[16], s[9], theta[32], theta_near[32];
+    double swivel[3];
 };
 
 static inline const struct function *find(const struct function *all, size_t count, const char *name)
@@ -62,6 +63,7 @@ static inline double *known(struct configuration *c, const char *name)
     const struct { const char *name; double *value; } names[] = {
         {"p", c->p}, {"Q", c->Q}, {"phi", c->phi}, {"redundant", c->redundant}, {"mode", c->mode},
         {"assembly", c->assembly}, {"s", c->s}, {"theta", c->theta}, {"theta_near", c->theta_near},
+        {"swivel", c->swivel}, {"s_near", c->s},
     };
     for (size_t k = 0; k < sizeof names / sizeof names[0]; ++k) {
         if (strcmp(names[k].name, name) == 0) {
@@ -112,6 +114,7 @@ static inline void configure(const struct function *all, size_t count, const geo
         for (int k = 0; k < 3; ++k) {
             c->p[k] = uniform(-0.6, 0.6);
             c->redundant[k] = uniform(0.1, 2.2);
+            c->swivel[k] = uniform(-1.0, 1.0);
         }
         rotation(c->Q);
         c->phi[0] = uniform(-0.6, 0.6);

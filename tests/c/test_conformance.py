@@ -20,9 +20,10 @@ SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
 ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "copysign", "memset", "memcpy"}
 POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 
-# Loops count upwards to a constant, or to a count that the caller gives.
+# Loops count upwards to a constant, or to a count that the caller gives; iterations may end before.
 LOOP = re.compile(
-    r"for \((?:int|ptrdiff_t) (\w+) = \w+; \1 < (?:\d+|KRHPR_LANES|n|\(ptrdiff_t\)count); "
+    r"for \((?:int|ptrdiff_t) (\w+) = \w+; \1 < (?:\d+|KRHPR_LANES|n|\(ptrdiff_t\)count)"
+    r"(?: && !\(change\[i\] <= [\de.-]+\))?; "
     r"(?:\+\+\1|\1 \+= KRHPR_LANES)\)"
 )
 FORBIDDEN = re.compile(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -19,9 +20,26 @@ def test_list_has_a_row_for_each_robot(cli: Cli) -> None:
     head, rule, *rows = result.out.splitlines()
     assert head.split("  ")[0] == "robot" and set(rule) == {"-", " "}
     assert [row.split()[0] for row in rows] == list(ROBOTS)
-    assert re.search(
-        r"^spatial_rrr_a +3-RRRSR +.* 4 +1 +theta_1, theta_2, theta_3$", result.out, re.MULTILINE
-    )
+    for row in (
+        r"spatial_rrr_a +3-RRRSR +6\+3 +3 x 3: R R R +4 +1 +shoulder, elbow; J_a, J_n +2\.3",
+        r"spatial_rrrr_b +3-4RSP +6\+6 +3 x 4: R R R R +4 +1 .*",
+        r"spatial_cpr3_c +3-\[\(3-CPR\)SP\] +6\+3 +3 x 3: P P P +1 +up to 8 by point +chain_1 to 3, .*",
+        r"spatial_delta_a .* 8 +2 by point .*",
+        r"planar_pr_a +3-PRRR +3\+3 +3 x 2: P R +2 +1 .*",
+        r"planar_rrr_c +3-RRRRP +3\+6 .*",
+    ):
+        assert re.search(f"^{row}$", result.out, re.MULTILINE), row
+    assert max(map(len, result.out.splitlines())) <= 160
+
+
+def test_list_takes_filters(cli: Cli) -> None:
+    def listed(*arguments: str) -> list[str]:
+        return [row["robot"] for row in json.loads(cli("list", *arguments, "--json").out)]
+
+    assert listed("--space", "planar") == [name for name in ROBOTS if name.startswith("planar")]
+    assert listed("--sub-leg", "rrr", "--arrangement", "b") == ["spatial_rrr_b", "planar_rrr_b"]
+    wrong = cli("list", "--sub-leg", "rrrrr")
+    assert wrong.code == 2 and "did you mean" in wrong.err
 
 
 def test_list_as_json(cli: Cli) -> None:
@@ -83,3 +101,15 @@ def test_an_unknown_function_gives_the_nearest_names(cli: Cli) -> None:
     result = cli("info", "spatial_rrr_a", "--function", "invers")
     assert result.code == 2
     assert "has no function 'invers'; did you mean inverse" in result.err
+
+
+def test_info_draws_a_picture_that_is_the_same_every_time(cli: Cli, tmp_path: Path) -> None:
+    for ending in ("svg", "png"):
+        files = [tmp_path / f"{name}.{ending}" for name in "ab"]
+        for file in files:
+            assert cli("info", "spatial_delta_a", "--picture", str(file)).code == 0
+        assert files[0].read_bytes() == files[1].read_bytes()
+    text = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert "<svg" in text and "<dc:date>" not in text
+    wrong = cli("info", "spatial_delta_a", "--picture", str(tmp_path / "delta.bmp"))
+    assert wrong.code == 2 and ".png" in wrong.err

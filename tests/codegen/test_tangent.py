@@ -87,7 +87,7 @@ def geometry_of(part: Part, seed: int = 3) -> dict[str, list[Any]] | None:
 
 def in_reach(part: Part, kernel: Kernel) -> tuple[dict[str, list[Any]] | None, dict[str, list[Any]]]:
     """A geometry and inputs for which the kernel has real values."""
-    for seed in range(100):
+    for seed in range(2000):
         geometry = geometry_of(part, seed)
         at = {port.name: numbers(port.size, seed + number) for number, port in enumerate(kernel.inputs)}
         for name in BRANCHES:
@@ -155,7 +155,8 @@ def test_what_only_guards_has_no_derivative(derived: Derived) -> None:
     for robot in derived.robots:
         for function in robot.functions:
             tangent = tangent_function(function, robot.parts) if not function.procedure else None
-            if function.name in ("inverse_status", "rotation_error"):
+            status = function.name == "inverse_status" and not robot.always_reachable
+            if status or function.name == "rotation_error":
                 assert tangent is None
             elif not function.procedure:
                 assert tangent is not None and all(call in function.calls for call in tangent.calls)

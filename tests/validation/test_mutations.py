@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 from krhpr.derivations.catalogue import catalogue
-from krhpr.derivations.sublegs import rrr
+from krhpr.derivations.sublegs import two_link
 from krhpr.derivations.sublegs.base import Forward, VelocityEquations
 from krhpr.validation.check import Kind, Target
 from krhpr.validation.plan import plan
@@ -115,7 +115,7 @@ def test_a_mistake_in_a_sub_leg_is_found(what: str, monkeypatch: pytest.MonkeyPa
     part = ENTRIES[identifier].robot.subleg
     if methods == {"geometry": None}:
         # angles run the other way in closure, forward, inverse and velocities alike
-        monkeypatch.setattr(rrr, "in_plane", lambda angle: sp.Matrix([sp.cos(angle), -sp.sin(angle)]))
+        monkeypatch.setattr(two_link, "in_plane", lambda angle: sp.Matrix([sp.cos(angle), -sp.sin(angle)]))
         wrong = with_parts(ENTRIES[identifier])
     else:
         wrong = with_parts(ENTRIES[identifier], subleg=changed(part, **methods))

@@ -135,7 +135,19 @@ def velocity_equations(subject: Subject, here: Configuration, leg: int, found: M
     if subject.subleg.redundant:
         apart = [*a[d][:d], *(row[d] for row in a[:d])]
         found.equal(apart, [Exact(0)] * len(apart), "the swivel's row and column of A")
-        found.equal(scaled(a[d][d], _swivel_gradient(here, leg, implied)), b[d], "the swivel's row of B")
+
+
+def swivel(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
+    """The swivel's row of B is the gradient of the swivel, and its second rate is what the bias leaves."""
+    d, n = subject.subleg.space.dimension, subject.subleg.n
+    at = here.kernel("subleg", equations_kernel(subject.subleg), leg, **posture(here, leg))
+    weight, row = matrix(at["A"], n)[d][d], matrix(at["B"], n)[d]
+    found.equal(
+        scaled(weight, _swivel_gradient(here, leg, jacobian(here, leg))), row, "the swivel's row of B"
+    )
+    given = {"swivel_accelerations": [Exact(3)], "swivel_bias": [Exact(1) / 3]}
+    along = here.kernel("subleg", "swivel_difference", leg, **given)["swivel_along"]
+    found.equal(along, [Exact(8) / 3], "second rate without the bias")
 
 
 def _swivel_gradient(here: Configuration, leg: int, M: Matrix) -> list[Any]:
@@ -425,6 +437,7 @@ RUNNERS: dict[str, Runner] = {
     "inverse closes": inverse_closes,
     "reach": reach,
     "Newton step": proof(newton_step),
+    "swivel": proof(swivel),
     "links": proof(links),
     "passive joints": proof(passive_joints),
 }

@@ -125,6 +125,15 @@ SUBLEG_PROOFS = (
         "Every link is as long as the geometry or the joint that it is named after; the last point is S_i.",
     ),
     Proof(
+        "swivel",
+        "swivel",
+        EXACT,
+        MANY,
+        "The swivel's row of the velocity equations is the gradient of the swivel, the end point "
+        "moving along.",
+        ("swivel_difference",),
+    ),
+    Proof(
         "Newton step",
         "forward_step",
         EXACT,
