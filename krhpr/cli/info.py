@@ -170,7 +170,8 @@ def _robot_text(robot: Robot, source: str) -> str:
     facts = robot_facts(robot)
     sections = "; ".join(f"{what} {section}" for what, section in facts["thesis"].items() if section)
     own = f"{robot.name}: " if robot.name != robot.identifier else ""
-    lines = [f"{own}{robot.identifier}  {robot.notation}", f"{robot.title} (thesis: {sections})"]
+    title = _wrapped(f"{robot.title} (thesis: {sections})", "  ", "")
+    lines = [f"{own}{robot.identifier}  {robot.notation}", *title]
     lines += _section("Actuated joints of a leg, with their zeros", facts["actuators"].items())
     lines += _section("Redundant coordinate of a leg", facts["redundant_coordinate"].items())
     lines += _section("Passive joints", facts["passive_joints"].items())

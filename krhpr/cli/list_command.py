@@ -6,13 +6,15 @@ import argparse
 import json
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import krhpr
 from krhpr.cli.common import Column, Command, Exit, WrongUse, print_table
 from krhpr.errors import nearest
-from krhpr.robot import Robot
 from krhpr.robot_files.facts import choice
+
+if TYPE_CHECKING:
+    from krhpr.robot import Robot
 
 COLUMNS = (
     Column("robot", whole=True),

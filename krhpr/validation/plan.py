@@ -111,10 +111,9 @@ def _proofs(robot: RobotCode) -> Iterator[Check]:
     ):
         for proof in proofs:
             known = {kernel.name for kernel in part.kernels}
-            if (proof.only is None or part.name in proof.only) and {proof.kernel, *proof.also} <= known:
-                yield _proof(
-                    robot, proof, f"{key}.{proof.kernel}", tuple(f"{key}.{k}" for k in proof.also), part.name
-                )
+            if (proof.only is None or part.name in proof.only) and proof.kernel in known:
+                also = tuple(f"{key}.{name}" for name in proof.also if name in known)
+                yield _proof(robot, proof, f"{key}.{proof.kernel}", also, part.name)
     for proof in ROBOT_PROOFS:
         yield _proof(robot, proof, proof.kernel, proof.also, "")
 

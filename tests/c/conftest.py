@@ -15,7 +15,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Some robots of all kinds, or one of each sub-leg with --full, for robots share kernels; where a test is
     marked `every_robot`, one of each sub-leg, or every robot with --full.
     """
-    if "robot" in metafunc.fixturenames:
+    own = any("robot" in mark.args[0] for mark in metafunc.definition.iter_markers("parametrize"))
+    if "robot" in metafunc.fixturenames and not own:
         steps = [THOROUGH, COVER, ROBOTS]
         marked = metafunc.definition.get_closest_marker("every_robot") is not None
         metafunc.parametrize("robot", steps[marked + metafunc.config.getoption("--full")])
