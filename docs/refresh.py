@@ -184,32 +184,32 @@ def _platform(name: str) -> Platform:
     return next(entry.robot.platform for entry in catalogue() if entry.robot.platform.name == name)
 
 
-def robots() -> str:
-    """The catalogue."""
+def sublegs() -> str:
+    """The catalogue, a row for each sub-leg."""
     rows = []
-    for entry in catalogue():
-        robot = entry.robot
+    for leg in dict.fromkeys(entry.robot.subleg for entry in catalogue()):
+        letters = [entry.robot.platform.arrangement for entry in catalogue() if entry.robot.subleg is leg]
+        kinds = " ".join(joint.kind[0].upper() for joint in leg.actuators)
+        freedom = leg.space.degrees_of_freedom
+        name = f"{leg.space}_{leg.name}"
         rows.append(
             (
-                f"`{entry.identifier}`",
-                entry.robot.notation,
-                entry.title,
-                f"3 x {robot.subleg.n}",
-                ", ".join(f"{robot.platform.redundant_joint.name}_{leg}" for leg in (1, 2, 3)),
-                str(len(robot.subleg.modes)),
-                entry.thesis,
+                f"`{name}_{letters[0]}`, " + ", ".join(f"`_{letter}`" for letter in letters[1:]),
+                leg.notation,
+                f"{freedom}+{3 * leg.n - freedom}",
+                kinds,
+                str(len(leg.modes)),
+                _assembly_count(leg),
+                leg.section,
             )
         )
-    head = (
-        "Robot",
-        "Notation",
-        "What",
-        "Actuators",
-        "Redundant coordinates",
-        "Working modes of a leg",
-        "Thesis",
-    )
+    head = ("Robots", "Sub-leg", "Dof", "Actuators of a leg", "Working modes", "Assembly modes", "Thesis")
     return _table(head, rows)
+
+
+def _assembly_count(leg: SubLeg) -> str:
+    at_most = "up to " if leg.assembly_count > 2 else ""
+    return f"{at_most}{leg.assembly_count}" + (", by a point" if leg.assembly_by_point else "")
 
 
 def statuses() -> str:
@@ -271,9 +271,11 @@ def subleg(space: str, name: str) -> str:
     rows += [(f"passive `{joint.name}`", joint.doc) for joint in leg.passive_joints]
     rows += [(f"mode `{sign.plus}` / `{sign.minus}`", sign.doc) for sign in leg.inverse_signs]
     rows += [(f"assembly `{sign.plus}` / `{sign.minus}`", sign.doc) for sign in leg.forward_signs]
-    rows.append(("default mode", f"`{leg.default_mode}`"))
-    if leg.default_assembly:
-        rows.append(("default assembly", f"`{leg.default_assembly}`"))
+    if leg.swivel is not None:
+        rows.append((f"swivel `{leg.swivel.name}`", leg.swivel.doc))
+    rows.append(("working modes", f"{len(leg.modes)}, by default `{leg.default_mode}`"))
+    default = f", by default `{leg.default_assembly}`" if leg.forward_signs else ""
+    rows.append(("assembly modes", _assembly_count(leg) + default))
     rows += [(f"singular factor `{name}`", doc) for name, doc in leg.factor_names()]
     return _table(("", ""), rows) + "\n\n" + _geometry(leg.geometry().fields)
 
@@ -346,9 +348,9 @@ TABLES: dict[str, Callable[..., str]] = {
     "functions": functions,
     "platform": platform,
     "reference": reference,
-    "robots": robots,
     "statuses": statuses,
     "subleg": subleg,
+    "sublegs": sublegs,
     "targets": targets,
 }
 

@@ -169,12 +169,7 @@ def draw(
     ax = _new_axes(robot.planar) if ax is None else ax
     draw_base(ax, bones)
     draw_platform(ax, bones)
-    for link in bones.links:
-        _draw_around(ax, link, bones)
-        draw_link(ax, link)
-    for points in bones.points.values():
-        draw_joints(ax, points)
-    _frame_picture(ax, bones)
+    draw_skeleton(ax, bones)
     if labels:
         centre = on_page(ax, bones.platform.mean(axis=0))
         for name, distance in (("S", 13), ("B", -13)):  # end points outwards, platform joints inwards
@@ -194,6 +189,16 @@ def _new_axes(planar: bool) -> Any:
     ax: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
     ax.view_init(elev=30, azim=-84)  # no leg is seen along its plane
     return ax
+
+
+def draw_skeleton(ax: Any, bones: Skeleton) -> None:
+    """Links and joints alone."""
+    for link in bones.links:
+        _draw_around(ax, link, bones)
+        draw_link(ax, link)
+    for points in bones.points.values():
+        draw_joints(ax, points)
+    _frame_picture(ax, bones)
 
 
 def draw_link(ax: Any, link: Link, **style: Any) -> None:
@@ -366,6 +371,7 @@ __all__ = [
     "draw_joints",
     "draw_link",
     "draw_platform",
+    "draw_skeleton",
     "label",
     "on_page",
     "skeleton",

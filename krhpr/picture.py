@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from krhpr.drawing import (
     Skeleton,
     draw,
     draw_frame,
+    draw_skeleton,
     label,
     on_page,
     skeleton,
@@ -77,7 +79,7 @@ def picture(robot: Robot, mode: Branch | None = None) -> Any:
         ax.view_init(*VIEW)
     bones = draw_home(robot, ax, mode, named=True)
     if not robot.planar:
-        _fill_figure(figure, ax, bones)
+        fill(ax, np.vstack([*bones.points.values(), np.zeros((1, 3))]), (0.07, 0.93, 0.13, 0.87))
     figure.canvas.draw()  # the projection that labels need
     _write_names(ax, robot, bones)
     figure.text(0.5, 0.955, f"{robot.notation}  ({robot.name})", ha="center", fontsize=14)
@@ -86,10 +88,9 @@ def picture(robot: Robot, mode: Branch | None = None) -> Any:
     return figure
 
 
-def _fill_figure(figure: Any, ax: Any, bones: Skeleton) -> None:
-    """Scale and shift 3D axes so that the robot fills the figure but for its title and its legend."""
-    left, right, low, high = 0.07, 0.93, 0.13, 0.87
-    points = np.vstack([*bones.points.values(), np.zeros((1, 3))])
+def fill(ax: Any, points: Array, box: tuple[float, float, float, float]) -> None:
+    """Scale and shift 3D axes so that points fill a box of the figure: left, right, low, high."""
+    figure, (left, right, low, high) = ax.figure, box
 
     def extent() -> tuple[Array, Array]:
         figure.canvas.draw()
@@ -105,6 +106,24 @@ def _fill_figure(figure: Any, ax: Any, bones: Skeleton) -> None:
     lowest, highest = extent()
     x, y = np.array([left + right, low + high]) / 2 - (lowest + highest) / 2
     ax.set_position((0.5 - width / 2 + x, 0.5 - height / 2 + y, width, height))
+
+
+def draw_leg(robot: Robot, ax: Any, box: tuple[float, float, float, float]) -> None:
+    """Leg 1 of a robot at home with names, without platform; a spatial one fills `box` of the figure."""
+    whole = skeleton(robot, *robot.home)
+    points = {name: at[:1] for name, at in whole.points.items() if name != "B"}
+    links = tuple(link for link in whole.of_leg(1) if link.kind is not Kind.REDUNDANT)
+    bones = replace(whole, points=points, links=links, slides=None, middles=None)
+    draw_skeleton(ax, bones)
+    mark_actuators(ax, robot, bones, size=6.5)
+    if not robot.planar:
+        fill(ax, np.vstack(list(points.values())), box)
+    ax.figure.canvas.draw()
+    names = _Names(ax, bones)
+    _write_actuators(names, robot, bones)
+    names.write(points["S"][0], "$S$", fontsize=9)
+    _write_joints(names, bones, fontsize=8)
+    _write_links(names, robot, bones, fontsize=9)
 
 
 def draw_home(robot: Robot, ax: Any, mode: Branch | None = None, *, named: bool = False) -> Skeleton:
@@ -131,7 +150,9 @@ def mark_actuators(ax: Any, robot: Robot, bones: Skeleton, size: float = 8.5) ->
         shared = [other for other, at in robot.documentation["actuated at"] if at == place].index(name)
         if shared:
             style |= {"markerfacecolor": "none", "markeredgewidth": 1.4, "markersize": 1.6 * size}
-        points = np.stack([_place(bones, place, leg, kinds[name]) for leg in (1, 2, 3)])
+        points = np.stack(
+            [_place(bones, place, leg, kinds[name]) for leg in sorted({link.leg for link in bones.links})]
+        )
         ax.plot(*points.T, linestyle="none", zorder=6, clip_on=False, **style)
 
 
@@ -161,27 +182,40 @@ def symbol(name: str, index: str = "") -> str:
 def _write_names(ax: Any, robot: Robot, bones: Skeleton) -> None:
     names = _Names(ax, bones)
     # what matters most finds its place first
-    kinds = dict(robot.documentation["joint kinds"])
-    for name, place in robot.documentation["actuated at"]:
-        point = _place(bones, place, 1, kinds[name])
-        names.write(point, symbol(name), color=ACTUATOR_COLOURS[kinds[name]], fontsize=12)
+    _write_actuators(names, robot, bones)
     for name in ("S", "B"):
         for i, point in enumerate(bones.points.get(name, ())):
             names.write(point, symbol(name, str(i + 1)))
-    for group in _coincident({name: at[0] for name, at in bones.points.items() if name not in "SB"}):
-        text = ", ".join(symbol(name) for name in group)
-        names.write(bones.points[group[0]][0], text, fontsize=10, color="#444444")
-    written = {name for name, _ in robot.documentation["actuators"]}
-    for link in bones.of_leg(1):
-        if link.name not in written and link.length > 1e-9:
-            written.add(link.name)
-            names.write((link.start + link.end) / 2, symbol(link.name), color=COLOURS[link.kind])
+    _write_joints(names, bones, fontsize=10)
+    _write_links(names, robot, bones, fontsize=11)
     feet = next(iter(bones.points.values())) if bones.feet is None else bones.feet
     for i in (1, 2):
         names.write(feet[i], f"leg {i + 1}", fontsize=9, color="#777777")
     for group in _coincident({"$O$": np.zeros_like(bones.origin), "$O'$": bones.origin}):
         at = bones.origin if group[0] != "$O$" else np.zeros_like(bones.origin)
         names.write(at, ", ".join(group), fontsize=10)
+
+
+def _write_actuators(names: _Names, robot: Robot, bones: Skeleton) -> None:
+    kinds = dict(robot.documentation["joint kinds"])
+    for name, place in robot.documentation["actuated at"]:
+        point = _place(bones, place, 1, kinds[name])
+        names.write(point, symbol(name), color=ACTUATOR_COLOURS[kinds[name]], fontsize=12)
+
+
+def _write_joints(names: _Names, bones: Skeleton, fontsize: float) -> None:
+    for group in _coincident({name: at[0] for name, at in bones.points.items() if name not in "SB"}):
+        text = ", ".join(symbol(name) for name in group)
+        names.write(bones.points[group[0]][0], text, fontsize=fontsize, color="#444444")
+
+
+def _write_links(names: _Names, robot: Robot, bones: Skeleton, fontsize: float) -> None:
+    written = {name for name, _ in robot.documentation["actuators"]}
+    for link in bones.of_leg(1):
+        if link.name not in written and link.length > 1e-9:
+            written.add(link.name)
+            middle = (link.start + link.end) / 2
+            names.write(middle, symbol(link.name), color=COLOURS[link.kind], fontsize=fontsize)
 
 
 def _coincident(points: Mapping[str, Array]) -> list[list[str]]:
@@ -204,11 +238,9 @@ class _Names:
         self.boxes: list[tuple[float, float, float, float]] = []
         self.segments = [np.stack([self._pixel(link.start), self._pixel(link.end)]) for link in bones.links]
         corners = bones.platform if bones.middles is None else bones.middles
-        self.segments += [np.stack([self._pixel(corners[i]), self._pixel(corners[i - 1])]) for i in range(3)]
+        self.segments += self._ring(corners)
         if bones.feet is not None:
-            self.segments += [
-                np.stack([self._pixel(bones.feet[i]), self._pixel(bones.feet[i - 1])]) for i in range(3)
-            ]
+            self.segments += self._ring(bones.feet)
         frame = 1.2 * _frame_length(bones) * np.eye(len(bones.origin))
         zero = np.zeros_like(bones.origin)
         self.segments += [np.stack([self._pixel(zero), self._pixel(axis)]) for axis in frame]
@@ -221,6 +253,12 @@ class _Names:
                 (joints[:, np.newaxis] + around).reshape(-1, 2),
             ]
         )
+
+    def _ring(self, corners: Array) -> list[Array]:
+        return [
+            np.stack([self._pixel(a), self._pixel(b)])
+            for a, b in zip(corners, np.roll(corners, 1, 0), strict=True)
+        ]
 
     def _pixel(self, point: Array) -> Array:
         """A point in points of the page."""
@@ -283,4 +321,4 @@ def _legend(figure: Any, robot: Robot) -> None:
     figure.text(0.5, 0.065, f"redundant coordinates {names_of_legs}", ha="center", fontsize=9.5)
 
 
-__all__ = ["FORMATS", "draw_home", "mark_actuators", "picture", "save_picture", "symbol"]
+__all__ = ["FORMATS", "draw_home", "draw_leg", "fill", "mark_actuators", "picture", "save_picture", "symbol"]

@@ -24,6 +24,7 @@ from PIL import Image
 
 import krhpr
 from krhpr.certificate import largest_box
+from krhpr.derivations.catalogue import SUBLEGS
 from krhpr.drawing import (
     COLOURS,
     PLATFORM_COLOUR,
@@ -35,6 +36,7 @@ from krhpr.drawing import (
     label,
     skeleton,
 )
+from krhpr.picture import VIEW, draw_leg, picture
 from krhpr.robot import Robot
 
 matplotlib.use("Agg")
@@ -211,15 +213,17 @@ def assembly_modes() -> Figure:
 
 
 def arrangements() -> Figure:
-    """Platform arrangements (a) and (c) seen from +z'."""
-    figure, axes = pyplot.subplots(1, 2, figsize=(9.0, 4.6))
-    with_links, with_slides = krhpr.load("spatial_rrr_a"), krhpr.load("spatial_rrr_c")
+    """Platform arrangements (a), (b) and (c) seen from +z'."""
+    figure, axes = pyplot.subplots(1, 3, figsize=(13.0, 4.7))
     beta, slides = np.radians([60.0, 97.0, 130.0]), np.array([0.11, 0.08, 0.14])
-    for ax, robot, redundant in zip(axes, (with_links, with_slides), (beta, slides), strict=True):
-        bones = skeleton(robot, HOME, UPRIGHT, redundant, "front/elbow-")
+    for ax, letter, redundant in zip(axes, "abc", (beta, 0.7 * slides, slides), strict=True):
+        bones = skeleton(krhpr.load(f"spatial_rrr_{letter}"), HOME, UPRIGHT, redundant, "front/elbow-")
         flat = {name: (points - HOME)[:, :2] for name, points in bones.points.items()}
-        if "B" in flat:
+        if letter == "a":
             _platform_a(ax, flat, beta)
+        elif letter == "b":
+            assert bones.middles is not None
+            _platform_b(ax, flat, (bones.middles - HOME)[:, :2])
         else:
             _platform_c(ax, flat["S"])
         draw_frame(ax, (0, 0), np.eye(2), 0.045)
@@ -228,11 +232,41 @@ def arrangements() -> Figure:
         label(ax, (0, 0), "$O'$", (-20, -4) if "B" in flat else (-48, -4), leader="B" not in flat)
         ax.set_aspect("equal")
         ax.set_axis_off()
-        ax.margins(0.14)
+        ax.set_xlim(-0.175, 0.185)
+        ax.set_ylim(-0.175, 0.165)
     axes[0].set_title(r"(a)  redundant links, angles $\beta_i$", fontsize=11)
-    axes[1].set_title("(c)  radial slides, displacements $d_i$", fontsize=11)
+    axes[1].set_title("(b)  tangential slides, displacements $d_i$", fontsize=11)
+    axes[2].set_title("(c)  radial slides, displacements $d_i$", fontsize=11)
     figure.tight_layout()
     return figure
+
+
+def sub_legs() -> Figure:
+    """Leg 1 of every sub-leg at its robot's home pose."""
+    notations = {f"{subleg.space}_{subleg.name}_a": subleg.notation for subleg, _ in SUBLEGS}
+    columns, rows = 5, -(-len(notations) // 5)
+    figure = pyplot.figure(figsize=(14.0, 3.1 * rows))
+    for place, (name, notation) in enumerate(notations.items()):
+        robot = krhpr.load(name, backend="numpy")
+        row, column = divmod(place, columns)
+        left, low, width, height = column / columns, 1 - (row + 1) / rows, 1 / columns, 1 / rows
+        bounds = (left + 0.13 * width, low + 0.1 * height, 0.74 * width, 0.68 * height)
+        ax: Any = figure.add_axes(bounds) if robot.planar else figure.add_axes(bounds, projection="3d")
+        if not robot.planar:
+            ax.view_init(*VIEW)
+        x, y, wide, high = bounds
+        ax.patch.set_visible(False)
+        draw_leg(robot, ax, (x, x + wide, y, y + high))
+        subleg = name.partition("_")[2].removesuffix("_a")
+        space = "planar " if robot.planar else ""
+        figure.text(left + width / 2, low + 0.93 * height, space + notation, ha="center", fontsize=12)
+        figure.text(left + width / 2, low + 0.865 * height, subleg, ha="center", fontsize=9, color=GREY)
+    return figure
+
+
+def delta() -> Figure:
+    """What `krhpr info spatial_delta_a --picture` draws."""
+    return picture(krhpr.load("spatial_delta_a", backend="numpy"))  # type: ignore[no-any-return]
 
 
 def type_2_margin() -> Figure:
@@ -311,6 +345,8 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "working_modes": working_modes,
     "assembly_modes": assembly_modes,
     "arrangements": arrangements,
+    "sub-legs": sub_legs,
+    "delta": delta,
     "type_2_margin": type_2_margin,
     "singularity_locus": singularity_locus,
 }
@@ -631,6 +667,29 @@ def _platform_a(ax: Any, flat: dict[str, Point], beta: Point) -> None:
             va="center",
         )
     draw_joints(ax, np.vstack([b, s]))
+
+
+def _platform_b(ax: Any, flat: dict[str, Point], middles: Point) -> None:
+    s, sliders = flat["S"], flat["B"]
+    ax.fill(*middles.T, facecolor=PLATFORM_COLOUR, alpha=0.3)
+    ax.plot(*np.vstack([middles, middles[:1]]).T, color=PLATFORM_COLOUR, linewidth=2.4)
+    for i in range(3):
+        outward = middles[i] / np.linalg.norm(middles[i])
+        across = np.array([-outward[1], outward[0]])
+        rail = np.stack([middles[i] - 0.02 * across, middles[i] + 0.125 * across])
+        ax.plot(*rail.T, color=PLATFORM_COLOUR, linewidth=5, solid_capstyle="butt", zorder=1)
+        ax.plot(*np.stack([s[i], sliders[i]]).T, color=COLOURS[Kind.REDUNDANT], linewidth=4)
+        line = np.stack([s[i] - 0.07 * outward, sliders[i] + 0.04 * outward])
+        ax.plot(*line.T, color=ALERT, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
+        shift = 0.018 * outward
+        both_ends = {"arrowstyle": "<|-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 0.9}
+        ax.annotate("", sliders[i] + shift, middles[i] + shift, arrowprops=both_ends)
+        place = (middles[i] + sliders[i]) / 2 + shift
+        label(ax, place, f"$d_{i + 1}$", 11 * outward, leader=False, ha="center", va="center")
+        label(ax, (s[i] + sliders[i]) / 2, "$l_r$", 10 * across, leader=False, ha="center", va="center")
+        place = -9 * outward + 13 * across
+        label(ax, s[i], f"$S_{i + 1}$", place, leader=False, ha="center", va="center")
+    draw_joints(ax, np.vstack([s, sliders]))
 
 
 def _platform_c(ax: Any, s: Point) -> None:

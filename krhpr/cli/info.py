@@ -168,10 +168,11 @@ def _port_facts(port: Port) -> dict[str, Any]:
 
 def _robot_text(robot: Robot, source: str) -> str:
     facts = robot_facts(robot)
-    sections = "; ".join(f"{what} {section}" for what, section in facts["thesis"].items() if section)
+    parts = [(what, facts["thesis"][what]) for what in ("sub-leg", "platform")]
+    sections = "; ".join(f"{what} {section}" for what, section in parts if section)
     own = f"{robot.name}: " if robot.name != robot.identifier else ""
-    title = _wrapped(f"{robot.title} (thesis: {sections})", "  ", "")
-    lines = [f"{own}{robot.identifier}  {robot.notation}", *title]
+    lines = [f"{own}{robot.identifier}  {robot.notation}"]
+    lines += _wrapped(f"{robot.title} (thesis: {sections})", "")
     lines += _section("Actuated joints of a leg, with their zeros", facts["actuators"].items())
     lines += _section("Redundant coordinate of a leg", facts["redundant_coordinate"].items())
     lines += _section("Passive joints", facts["passive_joints"].items())
