@@ -153,7 +153,9 @@ class TangentFunction:
 
 
 def tangent_function(function: RobotFunction, parts: Mapping[str, Part]) -> TangentFunction | None:
-    """The differentiated function; None where an output has no derivative everywhere."""
+    """The differentiated function; None where an output has no derivative everywhere, or all are
+    constants.
+    """
     calls = _needed_calls(function, parts)
     carried = {port.name for port in function.inputs if port.name not in BRANCHES}
     made = set(carried)
@@ -165,7 +167,10 @@ def tangent_function(function: RobotFunction, parts: Mapping[str, Part]) -> Tang
         made |= {call.variable_out(port.name) for port in twin_outputs(kernel)}
     if any(port.name not in made for port in function.outputs):
         return None
-    return TangentFunction(calls, frozenset(made), _structure(function, calls, parts))
+    structure = _structure(function, calls, parts)
+    if not any(structure.values()):
+        return None  # constants
+    return TangentFunction(calls, frozenset(made), structure)
 
 
 def _needed_calls(function: RobotFunction, parts: Mapping[str, Part]) -> tuple[Call, ...]:

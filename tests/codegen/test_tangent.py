@@ -159,7 +159,7 @@ def test_what_only_guards_has_no_derivative(derived: Derived) -> None:
     for robot in derived.robots:
         for function in robot.functions:
             tangent = tangent_function(function, robot.parts) if not function.procedure else None
-            status = function.name == "inverse_status" and not robot.always_reachable
+            status = function.name == "inverse_status"
             side = any(port.name == "s_near" for port in function.inputs)  # of a plane, by an absolute value
             if status or (side and not function.procedure) or function.name == "rotation_error":
                 assert tangent is None

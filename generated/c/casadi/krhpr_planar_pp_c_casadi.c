@@ -114,34 +114,33 @@ static const casadi_int P20[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5
 static const casadi_int P21[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
 static const casadi_int P22[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
 static const casadi_int P23[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P24[9] = {4, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P25[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P26[3] = {9, 1, 1};
-static const casadi_int P27[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P28[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P29[5] = {18, 2, 0, 0, 0};
-static const casadi_int P30[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P31[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P32[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P33[3] = {6, 2, 1};
-static const casadi_int P34[8] = {2, 3, 0, 2, 2, 2, 0, 1};
-static const casadi_int P35[8] = {2, 3, 0, 0, 2, 2, 0, 1};
-static const casadi_int P36[8] = {2, 3, 0, 0, 0, 2, 0, 1};
-static const casadi_int P37[3] = {3, 6, 1};
-static const casadi_int P38[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P39[3] = {6, 3, 1};
-static const casadi_int P40[5] = {6, 2, 0, 0, 0};
-static const casadi_int P41[4] = {6, 1, 0, 0};
-static const casadi_int P42[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P43[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P44[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P45[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P46[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P47[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P48[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P49[3] = {1, 6, 1};
-static const casadi_int P50[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P51[3] = {1, 3, 1};
+static const casadi_int P24[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P25[3] = {9, 1, 1};
+static const casadi_int P26[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P27[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P28[5] = {18, 2, 0, 0, 0};
+static const casadi_int P29[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P30[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P31[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P32[3] = {6, 2, 1};
+static const casadi_int P33[8] = {2, 3, 0, 2, 2, 2, 0, 1};
+static const casadi_int P34[8] = {2, 3, 0, 0, 2, 2, 0, 1};
+static const casadi_int P35[8] = {2, 3, 0, 0, 0, 2, 0, 1};
+static const casadi_int P36[3] = {3, 6, 1};
+static const casadi_int P37[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P38[3] = {6, 3, 1};
+static const casadi_int P39[5] = {6, 2, 0, 0, 0};
+static const casadi_int P40[4] = {6, 1, 0, 0};
+static const casadi_int P41[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P42[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P43[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P44[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P45[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P46[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P47[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P48[3] = {1, 6, 1};
+static const casadi_int P49[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P50[3] = {1, 3, 1};
 
 /* -- end_points -- */
 
@@ -301,14 +300,6 @@ static int value_subleg_jacobian(const double *x, double *y)
     return plain_subleg_jacobian(&geometry, x, x + 6, y);
 }
 
-static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const M = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_jacobian_tangent(&geometry.subleg[i], M + 4 * i);
-    }
-}
-
 static const krhpr_casadi_slot in_subleg_jacobian[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
     {"out_theta", 3, 2, 1, NULL, P6, P7},
@@ -318,17 +309,10 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M2", 2, 2, 1, NULL, P10, P11},
     {"out_M3", 2, 2, 1, NULL, P10, P11},
 };
-static const casadi_int *const structure_subleg_jacobian[] = {
-    P24, P24, P24, P24, P24, P24
-};
-static const char *const names_subleg_jacobian[] = {
-    "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
-};
 static const krhpr_casadi_function function_subleg_jacobian = {
-    2, in_subleg_jacobian, 3, out_subleg_jacobian, value_subleg_jacobian, tangent_subleg_jacobian, structure_subleg_jacobian, names_subleg_jacobian
+    2, in_subleg_jacobian, 3, out_subleg_jacobian, value_subleg_jacobian, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(subleg_jacobian), function_subleg_jacobian)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_jacobian), function_subleg_jacobian)
 
 /* -- constraints -- */
 
@@ -404,7 +388,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P25, P26, P27, P28, P29, P30, P31, P31
+    P24, P25, P26, P27, P28, P29, P30, P30
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -451,7 +435,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P25, P26, P27, P28, P11, P0, P32, P32, P11, P0, P32, P32, P11, P0, P32, P32
+    P24, P25, P26, P27, P11, P0, P31, P31, P11, P0, P31, P31, P11, P0, P31, P31
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -495,7 +479,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P33, P17, P18
+    P32, P17, P18
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant"
@@ -540,7 +524,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P10, P0, P34, P10, P0, P35, P10, P0, P36
+    P10, P0, P33, P10, P0, P34, P10, P0, P35
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -559,14 +543,6 @@ static int value_inverse_status(const double *x, double *y)
     return plain_inverse_status(&geometry, x, x[2], x + 3, y);
 }
 
-static void tangent_inverse_status(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const excess = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_reach_tangent(&geometry.subleg[i], excess + i);
-    }
-}
-
 static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
@@ -575,17 +551,10 @@ static const krhpr_casadi_slot in_inverse_status[] = {
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
-static const casadi_int *const structure_inverse_status[] = {
-    P7, P5, P13
-};
-static const char *const names_inverse_status[] = {
-    "jac_excess_p", "jac_excess_phi", "jac_excess_redundant"
-};
 static const krhpr_casadi_function function_inverse_status = {
-    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, tangent_inverse_status, structure_inverse_status, names_inverse_status
+    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(inverse_status), function_inverse_status)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_status), function_inverse_status)
 
 /* -- twist -- */
 
@@ -630,7 +599,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P37, P15, P37
+    P6, P4, P36, P15, P36
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -679,7 +648,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P33, P17, P20, P38, P39, P18
+    P32, P17, P20, P37, P38, P18
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -748,7 +717,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P37, P15, P12, P37, P37
+    P6, P4, P36, P15, P12, P36, P36
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -813,7 +782,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P33, P17, P20, P38, P39, P18, P38, P39, P18
+    P32, P17, P20, P37, P38, P18, P37, P38, P18
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -909,7 +878,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P40, P41, P42, P43, P40, P41, P44, P45, P40, P41, P46, P47, P40, P41, P48, P38
+    P39, P40, P41, P42, P39, P40, P43, P44, P39, P40, P45, P46, P39, P40, P47, P37
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -965,7 +934,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P15, P15, P7, P5, P15, P15, P8, P2, P49, P50, P8, P2, P49, P50
+    P7, P5, P15, P15, P7, P5, P15, P15, P8, P2, P48, P49, P8, P2, P48, P49
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1008,7 +977,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P51, P51
+    P50, P50
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"

@@ -589,14 +589,6 @@ static int value_inverse_status(const double *x, double *y)
     return plain_inverse_status(&geometry, x, x[2], x + 3, y);
 }
 
-static void tangent_inverse_status(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const excess = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_reach_tangent(&geometry.subleg[i], excess + i);
-    }
-}
-
 static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
@@ -605,17 +597,10 @@ static const krhpr_casadi_slot in_inverse_status[] = {
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
-static const casadi_int *const structure_inverse_status[] = {
-    P7, P5, P13
-};
-static const char *const names_inverse_status[] = {
-    "jac_excess_p", "jac_excess_phi", "jac_excess_redundant"
-};
 static const krhpr_casadi_function function_inverse_status = {
-    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, tangent_inverse_status, structure_inverse_status, names_inverse_status
+    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(inverse_status), function_inverse_status)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_status), function_inverse_status)
 
 /* -- twist -- */
 

@@ -179,29 +179,29 @@ static const casadi_int P58[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0
 static const casadi_int P59[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
 static const casadi_int P60[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
 static const casadi_int P61[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P62[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P63[3] = {6, 9, 1};
-static const casadi_int P64[3] = {9, 9, 1};
-static const casadi_int P65[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P62[3] = {6, 9, 1};
+static const casadi_int P63[3] = {9, 9, 1};
+static const casadi_int P64[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P66[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P67[3] = {9, 6, 1};
-static const casadi_int P68[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P69[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P70[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P65[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P66[3] = {9, 6, 1};
+static const casadi_int P67[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P68[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P69[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P71[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P72[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P70[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P71[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P73[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P72[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P74[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P75[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P73[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P74[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P76[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P75[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
+static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P77[6] = {12, 3, 0, 0, 0, 0};
 static const casadi_int P78[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P79[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
@@ -618,14 +618,6 @@ static int value_inverse_status(const double *x, double *y)
     return plain_inverse_status(&geometry, x, x + 3, x + 12, y);
 }
 
-static void tangent_inverse_status(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const excess = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_cpr3_reach_tangent(&geometry.subleg[i], excess + i);
-    }
-}
-
 static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
@@ -634,17 +626,10 @@ static const krhpr_casadi_slot in_inverse_status[] = {
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
-static const casadi_int *const structure_inverse_status[] = {
-    P1, P62, P1
-};
-static const char *const names_inverse_status[] = {
-    "jac_excess_p", "jac_excess_Q", "jac_excess_redundant"
-};
 static const krhpr_casadi_function function_inverse_status = {
-    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, tangent_inverse_status, structure_inverse_status, names_inverse_status
+    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(inverse_status), function_inverse_status)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_status), function_inverse_status)
 
 /* -- twist -- */
 
@@ -692,7 +677,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P38, P63, P63, P63, P63
+    P38, P62, P62, P62, P62
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -743,7 +728,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P57, P64, P65, P66, P67, P26
+    P57, P63, P64, P65, P66, P26
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -814,7 +799,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P38, P63, P63, P63, P10, P63, P63
+    P38, P62, P62, P62, P10, P62, P62
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -880,7 +865,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P57, P64, P65, P65, P67, P26, P65, P67, P26
+    P57, P63, P64, P64, P66, P26, P64, P66, P26
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -937,7 +922,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P68, P69, P70, P69, P71, P72, P73, P74, P71, P72, P75, P74, P71, P72, P76, P74, P0, P27, P28, P62
+    P67, P68, P69, P68, P70, P71, P72, P73, P70, P71, P74, P73, P70, P71, P75, P73, P0, P27, P28, P76
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -989,7 +974,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P77, P78, P79, P78, P77, P78, P80, P78, P77, P78, P81, P78, P24, P25, P74, P74
+    P77, P78, P79, P78, P77, P78, P80, P78, P77, P78, P81, P78, P24, P25, P73, P73
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1048,7 +1033,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P22, P23},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P62, P28, P28, P77, P78, P82, P83, P14, P84, P85, P86, P14, P84, P85, P86
+    P1, P76, P28, P28, P77, P78, P82, P83, P14, P84, P85, P86, P14, P84, P85, P86
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

@@ -127,51 +127,51 @@ static const casadi_int P27[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 
 static const casadi_int P28[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
 static const casadi_int P29[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
 static const casadi_int P30[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P31[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P32[3] = {6, 3, 1};
-static const casadi_int P33[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P31[3] = {6, 3, 1};
+static const casadi_int P32[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P34[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P33[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P35[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P34[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P36[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P35[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P37[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P36[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P38[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P39[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P37[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P38[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 0, 6, 20, 26, 40, 46};
-static const casadi_int P40[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P39[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46,
     52, 0, 6, 20, 26, 40, 46, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 21, 27, 41, 47};
-static const casadi_int P41[36] = {54, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P40[36] = {54, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46};
-static const casadi_int P42[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P43[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P44[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
+static const casadi_int P41[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P42[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P43[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
     4, 0, 2, 1, 3, 5, 1, 3, 5, 1, 3};
-static const casadi_int P45[20] = {6, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P46[20] = {6, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P47[20] = {6, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P48[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
+static const casadi_int P44[20] = {6, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P45[20] = {6, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P46[20] = {6, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P47[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P49[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P48[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5};
-static const casadi_int P50[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P51[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
+static const casadi_int P49[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P50[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
     2, 0, 1};
-static const casadi_int P52[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P53[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P54[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P55[3] = {6, 9, 1};
-static const casadi_int P56[3] = {9, 3, 1};
-static const casadi_int P57[3] = {9, 9, 1};
-static const casadi_int P58[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P51[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P52[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P53[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P54[3] = {6, 9, 1};
+static const casadi_int P55[3] = {9, 3, 1};
+static const casadi_int P56[3] = {9, 9, 1};
+static const casadi_int P57[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P58[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P59[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
 static const casadi_int P60[3] = {9, 6, 1};
@@ -379,14 +379,6 @@ static int value_subleg_jacobian(const double *x, double *y)
     return plain_subleg_jacobian(&geometry, x, x + 9, y);
 }
 
-static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const M = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_jacobian_tangent(&geometry.subleg[i], M + 9 * i);
-    }
-}
-
 static const krhpr_casadi_slot in_subleg_jacobian[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
@@ -396,17 +388,10 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M2", 3, 3, 1, NULL, P0, P1},
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
-static const casadi_int *const structure_subleg_jacobian[] = {
-    P31, P31, P31, P31, P31, P31
-};
-static const char *const names_subleg_jacobian[] = {
-    "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
-};
 static const krhpr_casadi_function function_subleg_jacobian = {
-    2, in_subleg_jacobian, 3, out_subleg_jacobian, value_subleg_jacobian, tangent_subleg_jacobian, structure_subleg_jacobian, names_subleg_jacobian
+    2, in_subleg_jacobian, 3, out_subleg_jacobian, value_subleg_jacobian, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(subleg_jacobian), function_subleg_jacobian)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_jacobian), function_subleg_jacobian)
 
 /* -- constraints -- */
 
@@ -435,7 +420,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P32, P33, P34
+    P31, P32, P33
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -478,7 +463,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P35, P36, P37, P38, P39, P40, P41, P42
+    P34, P35, P36, P37, P38, P39, P40, P41
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -523,7 +508,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P35, P36, P37, P38, P43, P44, P45, P13, P43, P44, P46, P13, P43, P44, P47, P13
+    P34, P35, P36, P37, P42, P43, P44, P13, P42, P43, P45, P13, P42, P43, P46, P13
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -564,7 +549,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P48, P49, P24
+    P47, P48, P24
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -606,7 +591,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P50, P51, P52, P50, P51, P53, P50, P51, P54
+    P49, P50, P51, P49, P50, P52, P49, P50, P53
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -679,7 +664,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P32, P55, P55, P13, P55
+    P31, P54, P54, P13, P54
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -725,7 +710,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P56, P57, P58, P31, P59, P24
+    P55, P56, P57, P58, P59, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -792,7 +777,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P32, P55, P55, P13, P10, P55, P55
+    P31, P54, P54, P13, P10, P54, P54
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -854,7 +839,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P56, P57, P58, P31, P60, P24, P31, P59, P24
+    P55, P56, P57, P58, P60, P24, P58, P59, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -909,7 +894,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P61, P62, P62, P63, P64, P65, P66, P31, P64, P65, P67, P31, P64, P65, P68, P31, P0, P25, P26, P69
+    P61, P62, P62, P63, P64, P65, P66, P58, P64, P65, P67, P58, P64, P65, P68, P58, P0, P25, P26, P69
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -959,7 +944,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P70, P71, P72, P73, P70, P71, P74, P75, P70, P71, P76, P77, P22, P23, P31, P31
+    P70, P71, P72, P73, P70, P71, P74, P75, P70, P71, P76, P77, P22, P23, P58, P58
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1016,7 +1001,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P69, P69, P69, P78, P31, P31, P79, P14, P80, P81, P82, P14, P80, P81, P82
+    P1, P69, P69, P69, P78, P58, P58, P79, P14, P80, P81, P82, P14, P80, P81, P82
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

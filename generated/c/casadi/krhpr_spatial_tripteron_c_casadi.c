@@ -127,43 +127,43 @@ static const casadi_int P27[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 
 static const casadi_int P28[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
 static const casadi_int P29[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
 static const casadi_int P30[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P31[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P32[3] = {6, 3, 1};
-static const casadi_int P33[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P31[3] = {6, 3, 1};
+static const casadi_int P32[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P34[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P33[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P35[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P34[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P36[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P35[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P37[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P36[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P38[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P39[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P40[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P37[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P38[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P39[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46,
     52, 0, 6, 20, 26, 40, 46, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 21, 27, 41, 47};
-static const casadi_int P41[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P42[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P43[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
+static const casadi_int P40[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P41[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P42[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
     4, 0, 2, 1, 3, 5, 1, 3, 5, 1, 3};
-static const casadi_int P44[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
+static const casadi_int P43[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P45[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P44[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5};
-static const casadi_int P46[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P47[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
+static const casadi_int P45[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P46[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
     2, 0, 1};
-static const casadi_int P48[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P49[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P50[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P51[3] = {6, 9, 1};
-static const casadi_int P52[3] = {9, 3, 1};
-static const casadi_int P53[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P47[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P48[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P49[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P50[3] = {6, 9, 1};
+static const casadi_int P51[3] = {9, 3, 1};
+static const casadi_int P52[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P53[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P54[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
 static const casadi_int P55[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
@@ -367,14 +367,6 @@ static int value_subleg_jacobian(const double *x, double *y)
     return plain_subleg_jacobian(&geometry, x, x + 9, y);
 }
 
-static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const M = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_jacobian_tangent(&geometry.subleg[i], M + 9 * i);
-    }
-}
-
 static const krhpr_casadi_slot in_subleg_jacobian[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
@@ -384,17 +376,10 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M2", 3, 3, 1, NULL, P0, P1},
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
-static const casadi_int *const structure_subleg_jacobian[] = {
-    P31, P31, P31, P31, P31, P31
-};
-static const char *const names_subleg_jacobian[] = {
-    "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
-};
 static const krhpr_casadi_function function_subleg_jacobian = {
-    2, in_subleg_jacobian, 3, out_subleg_jacobian, value_subleg_jacobian, tangent_subleg_jacobian, structure_subleg_jacobian, names_subleg_jacobian
+    2, in_subleg_jacobian, 3, out_subleg_jacobian, value_subleg_jacobian, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(subleg_jacobian), function_subleg_jacobian)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_jacobian), function_subleg_jacobian)
 
 /* -- constraints -- */
 
@@ -423,7 +408,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P32, P33, P34
+    P31, P32, P33
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -466,7 +451,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P35, P36, P37, P38, P39, P40, P41, P41
+    P34, P35, P36, P37, P38, P39, P40, P40
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -511,7 +496,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P35, P36, P37, P38, P42, P43, P13, P13, P42, P43, P13, P13, P42, P43, P13, P13
+    P34, P35, P36, P37, P41, P42, P13, P13, P41, P42, P13, P13, P41, P42, P13, P13
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -552,7 +537,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P44, P45, P24
+    P43, P44, P24
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -594,7 +579,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P46, P47, P48, P46, P47, P49, P46, P47, P50
+    P45, P46, P47, P45, P46, P48, P45, P46, P49
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -667,7 +652,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P32, P51, P51, P13, P51
+    P31, P50, P50, P13, P50
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -713,7 +698,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P52, P45, P53, P31, P54, P24
+    P51, P44, P52, P53, P54, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -780,7 +765,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P32, P51, P51, P13, P10, P51, P51
+    P31, P50, P50, P13, P10, P50, P50
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -842,7 +827,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P52, P55, P53, P31, P56, P24, P31, P54, P24
+    P51, P55, P52, P53, P56, P24, P53, P54, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -897,7 +882,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P57, P58, P58, P59, P60, P61, P31, P31, P60, P61, P31, P31, P60, P61, P31, P31, P0, P25, P26, P62
+    P57, P58, P58, P59, P60, P61, P53, P53, P60, P61, P53, P53, P60, P61, P53, P53, P0, P25, P26, P62
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -945,7 +930,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P60, P31, P71, P31
+    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P60, P53, P71, P53
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1002,7 +987,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P62, P62, P62, P60, P31, P31, P72, P14, P73, P74, P75, P14, P73, P74, P75
+    P1, P62, P62, P62, P60, P53, P53, P72, P14, P73, P74, P75, P14, P73, P74, P75
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

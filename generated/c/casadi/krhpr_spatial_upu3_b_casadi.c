@@ -177,21 +177,21 @@ static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0
 static const casadi_int P58[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
 static const casadi_int P59[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
 static const casadi_int P60[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P61[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P62[3] = {6, 9, 1};
-static const casadi_int P63[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P61[3] = {6, 9, 1};
+static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P64[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P65[3] = {9, 6, 1};
-static const casadi_int P66[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P67[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P68[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P63[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P64[3] = {9, 6, 1};
+static const casadi_int P65[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P66[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P67[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P69[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P70[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P68[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P69[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P71[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P70[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P71[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P72[6] = {12, 3, 0, 0, 0, 0};
 static const casadi_int P73[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P74[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
@@ -624,14 +624,6 @@ static int value_inverse_status(const double *x, double *y)
     return plain_inverse_status(&geometry, x, x + 3, x + 12, y);
 }
 
-static void tangent_inverse_status(const krhpr_dual *given, krhpr_dual *found)
-{
-    krhpr_dual *const excess = found;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_upu3_reach_tangent(&geometry.subleg[i], excess + i);
-    }
-}
-
 static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
@@ -640,17 +632,10 @@ static const krhpr_casadi_slot in_inverse_status[] = {
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
-static const casadi_int *const structure_inverse_status[] = {
-    P1, P61, P1
-};
-static const char *const names_inverse_status[] = {
-    "jac_excess_p", "jac_excess_Q", "jac_excess_redundant"
-};
 static const krhpr_casadi_function function_inverse_status = {
-    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, tangent_inverse_status, structure_inverse_status, names_inverse_status
+    3, in_inverse_status, 1, out_inverse_status, value_inverse_status, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(inverse_status), function_inverse_status)
-KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_status), function_inverse_status)
 
 /* -- twist -- */
 
@@ -697,7 +682,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P38, P62, P62, P62, P62
+    P38, P61, P61, P61, P61
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -747,7 +732,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P56, P57, P63, P64, P65, P26
+    P56, P57, P62, P63, P64, P26
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -817,7 +802,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P38, P62, P62, P62, P10, P62, P62
+    P38, P61, P61, P61, P10, P61, P61
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -882,7 +867,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P56, P57, P63, P63, P65, P26, P63, P65, P26
+    P56, P57, P62, P62, P64, P26, P62, P64, P26
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -938,7 +923,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P66, P67, P68, P67, P69, P70, P71, P71, P69, P70, P71, P71, P69, P70, P71, P71, P0, P27, P28, P61
+    P65, P66, P67, P66, P68, P69, P70, P70, P68, P69, P70, P70, P68, P69, P70, P70, P0, P27, P28, P71
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -984,7 +969,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P72, P73, P74, P73, P72, P73, P75, P73, P72, P73, P76, P73, P69, P25, P64, P71
+    P72, P73, P74, P73, P72, P73, P75, P73, P72, P73, P76, P73, P68, P25, P63, P70
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1042,7 +1027,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P22, P23},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P61, P28, P28, P77, P78, P79, P80, P14, P81, P82, P83, P14, P81, P82, P83
+    P1, P71, P28, P28, P77, P78, P79, P80, P14, P81, P82, P83, P14, P81, P82, P83
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",

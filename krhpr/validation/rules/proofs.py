@@ -32,7 +32,7 @@ SUBLEG_PROOFS = (
         MANY,
         "A, B and M = A^-1 B equal the implicit derivative of the loop closure, found by differentiating"
         " its graph.",
-        ("jacobian",),
+        ("jacobian", "posture"),
     ),
     Proof(
         "first principles",
