@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import importlib.util
 import io
+import os
 import re
 import struct
 import subprocess
@@ -145,6 +146,7 @@ def test_a_page_runs_and_prints_what_it_says(
     is what they print.  A section ends where a program that it needs is missing.
     """
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     for folder in ("examples", "generated"):
         (tmp_path / folder).symlink_to(ROOT / folder)
     own = REGION.sub(lambda match: "\n" * match[0].count("\n"), text(page))
