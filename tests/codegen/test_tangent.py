@@ -161,7 +161,7 @@ def test_what_only_guards_has_no_derivative(derived: Derived) -> None:
             tangent = tangent_function(function, robot.parts) if not function.procedure else None
             status = function.name == "inverse_status"
             side = any(port.name == "s_near" for port in function.inputs)  # of a plane, by an absolute value
-            if function.procedure:
+            if function.procedure or robot.subleg.name == "subleg_planar_rp":  # its reach has no kink
                 continue
             if status or side or function.name == "rotation_error":
                 assert tangent is None
