@@ -186,7 +186,7 @@ class _Functions:
         if not subleg.has_forward:
             doc += "  Newton steps from s_near; NaN where they do not converge."
             call, guards = self._newton("forward_step", self.leg.s, "s_near")
-        elif subleg.forward_signs or subleg.forward_near:
+        elif subleg.forward_signs or subleg.forward_near or subleg.has_loops():
             doc += "  A closed loop that cannot close gives NaN."
             guards = (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
         inputs = (self.leg.theta, *self.leg.forward_choice)
@@ -484,7 +484,14 @@ class _Functions:
                 self._on_leg("platform", "joint"),
                 self._on_leg("algebra", "wrist"),
             ),
+            self._loop_guard(),
         )
+
+    def _loop_guard(self) -> tuple[Guard, ...]:
+        """Where loops of passive joints do not close there are no passive joints."""
+        if not self.robot.subleg.has_loops():
+            return ()
+        return (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
 
     def _link_points(self) -> RobotFunction:
         points = self.robot.subleg.points_port()
@@ -497,6 +504,7 @@ class _Functions:
             (*self.pose, self.leg.s, self.leg.theta),
             (points, self.plate.attachment),
             (self._posture(), self._on_leg("subleg", "points"), self._on_leg("platform", "attachment")),
+            self._loop_guard(),
         )
 
     def _singularity(self) -> RobotFunction:

@@ -166,6 +166,12 @@ class SubLeg(ABC):
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         """Where the leg's joints are, in the base frame, from the base on, S_i last; `links` join them."""
 
+    def loops(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:
+        """Radicands of loops of passive joints, which the actuated joints do not drive: the leg can be
+        assembled where none is negative.  Left out where there are no such loops.
+        """
+        return []
+
     def swivel_angle(self, k: KernelWriter, at: SimpleNamespace) -> Any:
         """The swivel of a redundant sub-leg at a posture."""
         raise NotImplementedError(f"{self.name} is not redundant")
@@ -241,6 +247,10 @@ class SubLeg(ABC):
     def has_serial_factors(self) -> bool:
         """Whether there are configurations in which M_i, or the rates of its joints, cannot be inverted."""
         return bool(SubLegKernels(self).factors()[0])
+
+    def has_loops(self) -> bool:
+        """Whether passive joints and points exist only where loops of passive joints close."""
+        return type(self).loops is not SubLeg.loops
 
     def points_port(self) -> Port:
         """The port of its joints' positions, with their names."""

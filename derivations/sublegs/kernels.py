@@ -280,10 +280,12 @@ class SubLegKernels:
             "",
             self.geometry,
         )
-        found = self.leg.passive(k, self._at(k))
+        at = self._at(k)
+        found = self.leg.passive(k, at)
         if found.angles:
             k.add_output(self.ports.passive, [value for _, value in found.angles])
         k.add_output(self.ports.link, found.link)
+        self._loops(k, at)
         return self._end(k)
 
     def points(self) -> Kernel:
@@ -295,6 +297,7 @@ class SubLegKernels:
         found = self.leg.points(k, at, s)
         names = tuple(found)
         k.add_output(self.ports.points(names), sp.Matrix.hstack(*found.values()).T)
+        self._loops(k, at)
         return self._end(k)
 
     def _swivel(self) -> Kernel:
@@ -360,6 +363,14 @@ class SubLegKernels:
             absolute = [k.absolute(factor.value) for factor in factors]
             worst = absolute[0] if len(absolute) == 1 else k.minimum(*absolute)
             k.output("regularity", worst, doc=REGULARITY_DOC)
+
+
+    def _loops(self, k: KernelWriter, at: SimpleNamespace) -> None:
+        """The smallest radicand of the loops of passive joints."""
+        if radicands := self.leg.loops(k, at):
+            k.output(
+                "radicand", k.minimum(*radicands), Unit.MIXED, doc="not negative where passive joints exist"
+            )
 
 
 def _minors(m: sp.Matrix) -> list[Any]:

@@ -17,7 +17,7 @@ from krhpr.derivations.sublegs.carriers import in_plane
 from krhpr.derivations.sublegs.linkages import planar_geometry
 from krhpr.derivations.sublegs.two_link import ELBOW, distance, outside, two_link
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
-from krhpr.derivations.vectors import E, cross2
+from krhpr.derivations.vectors import E, cross2, dot
 
 
 class PlanarRRR(SubLeg):
@@ -101,6 +101,18 @@ class PlanarRRR(SubLeg):
                 ),
             ),
         )
+
+    def rates(
+        self, k: KernelWriter, at: SimpleNamespace, equations: VelocityEquations, task: sp.Matrix
+    ) -> sp.Matrix:
+        # w_dot = r_dot - swivel_dot E u_3 = t_1 E u_1 + t_2 E u_2 with the rates t_1 and t_2 of the links
+        # u_1 and u_2; products with u_2 and u_1 leave one unknown each, over the elbow's factor.
+        u_1 = k.let("u_1", at.d - at.u_2 - at.u_3, "first link")
+        w_dot = k.let("w_dot", sp.Matrix(task[:2]) - task[2] * (E * at.u_3), "velocity of the wrist")
+        sine = k.let("l12_sin_2", k.g.l_1 * k.g.l_2 * equations.serial[0].value, "l_1 l_2 sin(theta_2)")
+        first = k.let("t_1", dot(w_dot, at.u_2) / sine, "rate of the first link")
+        second = k.let("t_2", -dot(w_dot, u_1) / sine, "rate of the second link")
+        return sp.Matrix([first, second - first, task[2] - second])
 
     def swivel_angle(self, k: KernelWriter, at: SimpleNamespace) -> Any:
         return k.atan2(at.u_3[1], at.u_3[0])

@@ -192,12 +192,14 @@ class RRRR(SubLeg):
     def rates(
         self, k: KernelWriter, at: SimpleNamespace, equations: VelocityEquations, task: sp.Matrix
     ) -> sp.Matrix:
-        # d^T s_dot gives the elbow; the rest turns the arm by omega = rate_1 e_1 + rate_2 e_2 + rate_3 u /
-        # l_2
+        # d^T s_dot gives the elbow, as d^T (e_4 x v) = -l_2 l_3 sin(theta_4); the rest turns the arm by
+        # omega = rate_1 e_1 + rate_2 e_2 + rate_3 u / l_2.  What it divides by are the factors themselves,
+        # which the caller compares with a tolerance.
         direction, columns = self._levers(k, at)
+        sine = next(factor.value for factor in equations.serial if factor.name == "elbow")
         r2, length, d2 = self._circle(k, at)
         s_dot = sp.Matrix(task[:3])
-        elbow = k.let("rate_4", dot(at.d, s_dot) / dot(at.d, columns[3]))
+        elbow = k.let("rate_4", -dot(at.d, s_dot) / (k.g.l_2 * k.g.l_3 * sine))
         turned = k.let("turned", s_dot - elbow * columns[3], "omega x d")
         about = length * task[3] + at.d[1] / r2 * dot(cross(E_1, at.d), s_dot)
         omega = k.let("omega", (cross(at.d, turned) + k.let("about", about, "omega^T d") * at.d) / d2)

@@ -67,7 +67,8 @@ class Tripteron(SubLeg):
         return leg_axes(k)
 
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
-        return Forward(k.g.c + self._axes(k) * theta, {"rho": theta})
+        radicand = k.minimum(*self._radicands(k, theta))
+        return Forward(k.g.c + self._axes(k) * theta, {"rho": theta}, radicand)
 
     def inverse(
         self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
@@ -124,6 +125,9 @@ class Tripteron(SubLeg):
             arm = self._links(k, at.rho, n, elbow=True)
             angles += [arm.inner, arm.elbow]
         return Passive(tuple(zip(self.passive_joints, angles, strict=True)), self._axes(k))
+
+    def loops(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:
+        return self._radicands(k, at.rho)
 
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         axes = (k.g.e_x, k.g.e_1, k.g.e_t)

@@ -178,12 +178,19 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_forward(
     const krhpr_spatial_tripteron_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg[i], theta + 3 * i, s + 3 * i);
+        krhpr_subleg_tripteron_forward(&g->subleg[i], theta + 3 * i, s + 3 * i, &radicand[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(s + 3 * i, 3);
+        }
     }
     return status;
 }
@@ -754,6 +761,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
@@ -768,7 +776,8 @@ KRHPR_API int krhpr_spatial_tripteron_a_passive_joints(
         double link[9];
         double redundant_link[9];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_passive(&g->subleg[i], rho, link, tail_y + 6 * i, tail_x + 6 * i);
+        krhpr_subleg_tripteron_passive(
+            &g->subleg[i], rho, link, &radicand[i], tail_y + 6 * i, tail_x + 6 * i);
         krhpr_platform_spatial_a_joint(
             &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 18 + 1 * i, tail_x + 18 + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
@@ -782,6 +791,14 @@ KRHPR_API int krhpr_spatial_tripteron_a_passive_joints(
         passive[6 * i + 4] = tail[6 * i + 4];
         passive[6 * i + 5] = tail[6 * i + 5];
         platform_joint[i] = tail[18 + 1 * i + 0];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(passive + 6 * i, 6);
+            krhpr_fill_nan(spherical + 9 * i, 9);
+            krhpr_fill_nan(platform_joint + 1 * i, 1);
+        }
     }
     return status;
 }
@@ -810,6 +827,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(points, 72);
         krhpr_fill_nan(attachment, 9);
@@ -818,8 +836,15 @@ KRHPR_API int krhpr_spatial_tripteron_a_link_points(
     for (int i = 0; i < 3; ++i) {
         double rho[3];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points(&g->subleg[i], rho, s + 3 * i, points + 24 * i);
+        krhpr_subleg_tripteron_points(&g->subleg[i], rho, s + 3 * i, points + 24 * i, &radicand[i]);
         krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(points + 24 * i, 24);
+            krhpr_fill_nan(attachment + 3 * i, 3);
+        }
     }
     return status;
 }

@@ -158,12 +158,19 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_forward(
     const krhpr_spatial_tripteron_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg[i], theta + 3 * i, s + 3 * i);
+        krhpr_subleg_tripteron_forward(&g->subleg[i], theta + 3 * i, s + 3 * i, &radicand[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(s + 3 * i, 3);
+        }
     }
     return status;
 }
@@ -713,6 +720,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
@@ -727,7 +735,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_passive_joints(
         double link[9];
         double redundant_link[9];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_passive(&g->subleg[i], rho, link, tail_y + 6 * i, tail_x + 6 * i);
+        krhpr_subleg_tripteron_passive(
+            &g->subleg[i], rho, link, &radicand[i], tail_y + 6 * i, tail_x + 6 * i);
         krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
@@ -739,6 +748,14 @@ KRHPR_API int krhpr_spatial_tripteron_c_passive_joints(
         passive[6 * i + 3] = tail[6 * i + 3];
         passive[6 * i + 4] = tail[6 * i + 4];
         passive[6 * i + 5] = tail[6 * i + 5];
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(passive + 6 * i, 6);
+            krhpr_fill_nan(spherical + 9 * i, 9);
+            krhpr_fill_nan(platform_joint + 1 * i, 1);
+        }
     }
     return status;
 }
@@ -767,6 +784,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
+    double radicand[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(points, 72);
         krhpr_fill_nan(attachment, 9);
@@ -775,8 +793,15 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points(
     for (int i = 0; i < 3; ++i) {
         double rho[3];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points(&g->subleg[i], rho, s + 3 * i, points + 24 * i);
+        krhpr_subleg_tripteron_points(&g->subleg[i], rho, s + 3 * i, points + 24 * i, &radicand[i]);
         krhpr_platform_spatial_c_attachment(&g->platform[i], s + 3 * i, attachment + 3 * i);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(points + 24 * i, 24);
+            krhpr_fill_nan(attachment + 3 * i, 3);
+        }
     }
     return status;
 }

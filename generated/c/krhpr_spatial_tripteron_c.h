@@ -88,7 +88,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_redundant_coordinates_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
-/* End points of the sub-legs from the actuated joints.  Thesis: 3.5.
+/* End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.  Thesis:
+ * 3.5.
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [rho_1, rho_2, rho_3]
  *   out    s (3 x 3, m, base frame): end point of the sub-leg, S_i
  */

@@ -301,24 +301,24 @@ static inline void krhpr_subleg_planar_rrr_bias(
 }
 
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
- * serves accelerations too.  Thesis: (1.9).  (20 add, 24 multiply, 1 divide, 1 select) */
+ * serves accelerations too.  Thesis: (1.9).  (11 add, 13 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rrr_rates(
     const krhpr_subleg_planar_rrr_geometry *g, const double d[2], const double u_2[2], const double u_3[2],
     const double s_dot[2], double swivel_rates, double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
-    const double t1 = d[0] - u_2[0] - u_3[0];
-    const double t2 = d[1] - u_2[1] - u_3[1];
-    const double elbow = (u_2[1] * t1 - u_2[0] * t2) * g->k[5]; /* sin(theta_2) */
-    const double t3 = u_2[1] + u_3[1];
-    const double t4 = u_2[0] + u_3[0];
-    const double t5 = u_2[0] * s_dot[0] + u_2[1] * s_dot[1] + swivel_rates * (u_3[1] * t4 - u_3[0] * t3);
-    const double t6 = u_3[0] - d[0];
-    const double t7 = 1.0 / (t3 * t6 + d[1] * u_2[0] + u_3[1] * t1);
-    const double t8 = s_dot[0] * t6 + s_dot[1] * (u_3[1] - d[1]) + swivel_rates * (d[1] * u_3[0] - d[0] * u_3[1]);
-    theta_dot[0] = -t5 * t7;
-    theta_dot[1] = -t7 * t8;
-    theta_dot[2] = -t7 * (t1 * s_dot[0] + t2 * s_dot[1] + swivel_rates * (d[0] * t3 - d[1] * t4));
+    const double u_1_0 = d[0] - u_2[0] - u_3[0]; /* first link */
+    const double u_1_1 = d[1] - u_2[1] - u_3[1];
+    const double elbow = (u_2[1] * u_1_0 - u_2[0] * u_1_1) * g->k[5]; /* sin(theta_2) */
+    const double w_dot_0 = s_dot[0] + u_3[1] * swivel_rates; /* velocity of the wrist */
+    const double w_dot_1 = s_dot[1] - u_3[0] * swivel_rates;
+    const double l12_sin_2 = g->l_2 * (g->l_1 * elbow); /* l_1 l_2 sin(theta_2) */
+    const double t1 = 1.0 / l12_sin_2;
+    const double t_1 = (u_2[0] * w_dot_0 + u_2[1] * w_dot_1) * t1; /* rate of the first link */
+    const double t2 = t1 * (u_1_0 * w_dot_0 + u_1_1 * w_dot_1);
+    theta_dot[0] = t_1;
+    theta_dot[1] = -(t_1 + t2);
+    theta_dot[2] = swivel_rates + t2;
     *regularity = fabs(elbow);
 }
 

@@ -23,7 +23,7 @@ typedef struct {
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction */
-    double k[12]; /* sub-expressions of the geometry alone, computed once */
+    double k[13]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_rrrr_geometry;
 
 
@@ -41,6 +41,7 @@ static inline void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g)
     const double c_1 = g->R_b * e_r_1 - t5;
     const double t6 = g->l_2 - g->l_3;
     const double t7 = g->l_2 + g->l_3;
+    const double k_6 = g->l_2 * g->l_3;
     g->c[0] = c_0;
     g->c[1] = c_1;
     g->c[2] = g->l_1 * e_1_2;
@@ -59,12 +60,13 @@ static inline void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g)
     g->k[3] = g->l_2 * g->l_2;
     g->k[4] = g->l_3 * g->l_3;
     g->k[5] = fabs(t6);
-    g->k[6] = 1.0 / (g->l_2 * g->l_3);
-    g->k[7] = 1.0 / t7;
-    g->k[8] = 1.0 / g->l_3;
-    g->k[9] = t4 + c_0;
-    g->k[10] = t5 + c_1;
-    g->k[11] = 0.0;
+    g->k[6] = k_6;
+    g->k[7] = 1.0 / k_6;
+    g->k[8] = 1.0 / t7;
+    g->k[9] = 1.0 / g->l_3;
+    g->k[10] = t4 + c_0;
+    g->k[11] = t5 + c_1;
+    g->k[12] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -536,7 +538,7 @@ static inline void krhpr_subleg_rrrr_bias(
 }
 
 /* Actuated joint rates of the 4R sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
- * serves accelerations too.  Thesis: (1.9).  (35 add, 58 multiply, 4 divide, 2 square root, 7 select) */
+ * serves accelerations too.  Thesis: (1.9).  (33 add, 56 multiply, 4 divide, 2 square root, 7 select) */
 static inline void krhpr_subleg_rrrr_rates(
     const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double s_dot[3], double swivel_rates,
@@ -554,22 +556,23 @@ static inline void krhpr_subleg_rrrr_rates(
     const double d2 = r2 + d[1] * d[1];
     const double distance = sqrt(d2);
     const double t4 = e_4[0] * (v[2] * t2 - v[1] * t3) + e_4[1] * (v[0] * t3 - v[2] * t1) + e_4[2] * (v[1] * t1 - v[0] * t2);
-    const double sin_4 = t4 * g->k[6];
+    const double sin_4 = t4 * g->k[7];
     const double r = sqrt(r2);
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
-    const double rate_4 = (d[0] * v_l_0 + d[1] * v_l_1 + d[2] * v_l_2) / (d[0] * m_4_0 + d[1] * m_4_1 + d[2] * m_4_2);
-    const double turned_0 = v_l_0 - m_4_0 * rate_4; /* omega x d */
-    const double turned_1 = v_l_1 - m_4_1 * rate_4;
-    const double turned_2 = v_l_2 - m_4_2 * rate_4;
+    const double t5 = (d[0] * v_l_0 + d[1] * v_l_1 + d[2] * v_l_2) / (g->k[6] * sin_4);
+    const double rate_4 = -t5;
+    const double turned_0 = v_l_0 + m_4_0 * t5; /* omega x d */
+    const double turned_1 = v_l_1 + m_4_1 * t5;
+    const double turned_2 = v_l_2 + m_4_2 * t5;
     const double about = distance * swivel_rates + d[1] * (d[2] * v_l_0 - d[0] * v_l_2) / r2; /* omega^T d */
-    const double t5 = 1.0 / d2;
-    const double omega_0 = (d[0] * about + d[1] * turned_2 - d[2] * turned_1) * t5;
-    const double omega_1 = t5 * (d[1] * about + d[2] * turned_0 - d[0] * turned_2);
-    const double omega_2 = t5 * (d[2] * about + d[0] * turned_1 - d[1] * turned_0);
+    const double t6 = 1.0 / d2;
+    const double omega_0 = (d[0] * about + d[1] * turned_2 - d[2] * turned_1) * t6;
+    const double omega_1 = t6 * (d[1] * about + d[2] * turned_0 - d[0] * turned_2);
+    const double omega_2 = t6 * (d[2] * about + d[0] * turned_1 - d[1] * turned_0);
     const double rate_3 = omega_0 / dir_0;
-    const double regularity_a = krhpr_min(krhpr_min(krhpr_min(fabs(dir_0), fabs(sin_4)), fabs(distance * g->k[7])), fabs(r * g->k[7]));
+    const double regularity_a = krhpr_min(krhpr_min(krhpr_min(fabs(dir_0), fabs(sin_4)), fabs(distance * g->k[8])), fabs(r * g->k[8]));
     theta_dot[0] = omega_1 - dir_1 * rate_3;
     theta_dot[1] = omega_2;
     theta_dot[2] = rate_3;
@@ -600,7 +603,7 @@ static inline void krhpr_subleg_rrrr_determinant(
     const double d2 = r2 + d[1] * d[1];
     const double distance = sqrt(d2);
     const double t5 = e_4[0] * (v[2] * t2 - v[1] * t3) + e_4[1] * (v[0] * t3 - v[2] * t1) + e_4[2] * (v[1] * t1 - v[0] * t2);
-    const double sin_4 = t5 * g->k[6];
+    const double sin_4 = t5 * g->k[7];
     const double r = sqrt(r2);
     const double t6 = d[0] * d[2];
     const double t7 = d[0] * d[1];
@@ -614,8 +617,8 @@ static inline void krhpr_subleg_rrrr_determinant(
     *det_M = det_M_a;
     factors[0] = dir_0;
     factors[1] = sin_4;
-    factors[2] = distance * g->k[7];
-    factors[3] = r * g->k[7];
+    factors[2] = distance * g->k[8];
+    factors[3] = r * g->k[8];
 }
 
 /* Passive joints of the 4R sub-leg and the orientation of its last link.  (21 add, 36 multiply) */
@@ -623,9 +626,9 @@ static inline void krhpr_subleg_rrrr_passive(
     const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double v[3],
     const double e_4[3], double *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v[0] * g->k[8]; /* along the forearm */
-    const double dir_1 = v[1] * g->k[8];
-    const double dir_2 = v[2] * g->k[8];
+    const double dir_0 = v[0] * g->k[9]; /* along the forearm */
+    const double dir_1 = v[1] * g->k[9];
+    const double dir_2 = v[2] * g->k[9];
     const double across_0 = e_4[1] * dir_2 - e_4[2] * dir_1;
     const double across_1 = e_4[2] * dir_0 - e_4[0] * dir_2;
     const double across_2 = e_4[0] * dir_1 - e_4[1] * dir_0;
@@ -645,9 +648,9 @@ static inline void krhpr_subleg_rrrr_points(
     const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double v[3],
     const double s[3], double *KRHPR_RESTRICT points)
 {
-    points[0] = g->k[9];
-    points[1] = g->k[10];
-    points[2] = g->k[11];
+    points[0] = g->k[10];
+    points[1] = g->k[11];
+    points[2] = g->k[12];
     points[3] = g->c[0];
     points[4] = g->c[1];
     points[5] = g->c[2];

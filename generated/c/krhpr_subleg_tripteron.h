@@ -70,27 +70,41 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     g->k[13] = -t6 * 0.5;
 }
 
-/* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8 multiply) */
+/* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14 multiply, 2
+ * select) */
 static inline void krhpr_subleg_tripteron_forward(
-    const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s)
+    const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
+    double *KRHPR_RESTRICT radicand)
 {
+    const double t1 = theta[1] * theta[1];
+    const double t2 = theta[2] * theta[2];
+    const double t3 = theta[0] * theta[0];
+    const double t4 = g->k[1] - t3;
+    const double t5 = krhpr_min((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2), (t2 + t3 - g->k[0]) * (t4 - t2));
     s[0] = g->c[0] + g->e_1[0] * theta[1] + g->e_t[0] * theta[2] + g->e_x[0] * theta[0];
     s[1] = g->c[1] + g->e_1[1] * theta[1] + g->e_t[1] * theta[2] + g->e_x[1] * theta[0];
     s[2] = g->c[2] + g->e_1[2] * theta[1] + g->e_x[2] * theta[0];
+    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
-/* End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8
- * multiply) */
+/* End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14
+ * multiply, 2 select) */
 static inline void krhpr_subleg_tripteron_forward_posture(
     const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
-    double *KRHPR_RESTRICT rho)
+    double *KRHPR_RESTRICT rho, double *KRHPR_RESTRICT radicand)
 {
+    const double t1 = theta[1] * theta[1];
+    const double t2 = theta[2] * theta[2];
+    const double t3 = theta[0] * theta[0];
+    const double t4 = g->k[1] - t3;
+    const double t5 = krhpr_min((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2), (t2 + t3 - g->k[0]) * (t4 - t2));
     s[0] = g->c[0] + g->e_1[0] * theta[1] + g->e_t[0] * theta[2] + g->e_x[0] * theta[0];
     s[1] = g->c[1] + g->e_1[1] * theta[1] + g->e_t[1] * theta[2] + g->e_x[1] * theta[0];
     s[2] = g->c[2] + g->e_1[2] * theta[1] + g->e_x[2] * theta[0];
     rho[0] = theta[0];
     rho[1] = theta[1];
     rho[2] = theta[2];
+    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
 /* Actuated joints of the (Tripteron) sub-leg in one working mode.  The mode is given by signs; NaN where
@@ -261,36 +275,40 @@ static inline void krhpr_subleg_tripteron_determinant(
     factors[2] = g->k[3] * (0.25 * (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
-/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (27 add, 18 multiply, 3
- * square root) */
+/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 21 multiply, 3
+ * square root, 2 select) */
 static inline void krhpr_subleg_tripteron_passive(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT link,
-    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double t1 = rho[1] * rho[1];
     const double t2 = rho[2] * rho[2];
     const double d2_1 = t1 + t2;
-    const double h2_1 = (d2_1 - g->k[0]) * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
+    const double t3 = d2_1 - g->k[0];
+    const double h2_1 = t3 * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
     const double S_1 = sqrt(h2_1); /* 2 a b sin */
     const double C_1 = d2_1 - g->k[4] - g->k[5]; /* 2 a b cos */
     const double A_1 = d2_1 + g->k[4] - g->k[5]; /* 2 a (a + b cos) */
     const double n_1 = rho[1] * A_1 + rho[2] * S_1;
     const double m_1 = rho[2] * A_1 - rho[1] * S_1;
-    const double t3 = rho[0] * rho[0];
-    const double d2_2 = t2 + t3;
-    const double h2_2 = (d2_2 - g->k[0]) * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double t4 = rho[0] * rho[0];
+    const double d2_2 = t2 + t4;
+    const double t5 = d2_2 - g->k[0];
+    const double h2_2 = t5 * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
     const double C_2 = d2_2 - g->k[4] - g->k[5]; /* 2 a b cos */
     const double A_2 = g->k[4] + d2_2 - g->k[5]; /* 2 a (a + b cos) */
     const double n_2 = rho[2] * A_2 + rho[0] * S_2;
     const double m_2 = rho[0] * A_2 - rho[2] * S_2;
-    const double d2_3 = t1 + t3;
-    const double h2_3 = (d2_3 - g->k[0]) * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
+    const double d2_3 = t1 + t4;
+    const double t6 = d2_3 - g->k[0];
+    const double h2_3 = t6 * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
     const double S_3 = sqrt(h2_3); /* 2 a b sin */
     const double C_3 = d2_3 - g->k[4] - g->k[5]; /* 2 a b cos */
     const double A_3 = g->k[4] + d2_3 - g->k[5]; /* 2 a (a + b cos) */
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
+    const double t7 = g->k[1] - t4;
     link[0] = g->e_x[0];
     link[1] = g->e_1[0];
     link[2] = g->e_t[0];
@@ -300,6 +318,7 @@ static inline void krhpr_subleg_tripteron_passive(
     link[6] = g->e_x[2];
     link[7] = g->e_1[2];
     link[8] = 0.0;
+    *radicand = krhpr_min(krhpr_min(t3 * (g->k[1] - t1 - t2), t5 * (t7 - t2)), t6 * (t7 - t1));
     tail_y[0] = m_1;
     tail_y[1] = S_1;
     tail_y[2] = m_2;
@@ -314,10 +333,11 @@ static inline void krhpr_subleg_tripteron_passive(
     tail_x[5] = C_3;
 }
 
-/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (45 add, 58 multiply, 3 divide, 3 square root) */
+/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 61 multiply, 3 divide, 3 square root,
+ * 2 select) */
 static inline void krhpr_subleg_tripteron_points(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], const double s[3],
-    double *KRHPR_RESTRICT points)
+    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT radicand)
 {
     const double slider_1_0 = g->c[0] + g->e_x[0] * rho[0];
     const double slider_1_1 = g->c[1] + g->e_x[1] * rho[0];
@@ -325,7 +345,8 @@ static inline void krhpr_subleg_tripteron_points(
     const double t1 = rho[1] * rho[1];
     const double t2 = rho[2] * rho[2];
     const double d2_1 = t1 + t2;
-    const double h2_1 = (d2_1 - g->k[0]) * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
+    const double t3 = d2_1 - g->k[0];
+    const double h2_1 = t3 * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
     const double S_1 = sqrt(h2_1); /* 2 a b sin */
     const double A_1 = d2_1 + g->k[4] - g->k[5]; /* 2 a (a + b cos) */
     const double n_1 = rho[1] * A_1 + rho[2] * S_1;
@@ -333,48 +354,53 @@ static inline void krhpr_subleg_tripteron_points(
     const double slider_2_0 = g->c[0] + g->e_1[0] * rho[1];
     const double slider_2_1 = g->c[1] + g->e_1[1] * rho[1];
     const double slider_2_2 = g->c[2] + g->e_1[2] * rho[1];
-    const double t3 = rho[0] * rho[0];
-    const double d2_2 = t2 + t3;
-    const double h2_2 = (d2_2 - g->k[0]) * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double t4 = rho[0] * rho[0];
+    const double d2_2 = t2 + t4;
+    const double t5 = d2_2 - g->k[0];
+    const double h2_2 = t5 * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
     const double A_2 = g->k[4] + d2_2 - g->k[5]; /* 2 a (a + b cos) */
     const double n_2 = rho[2] * A_2 + rho[0] * S_2;
     const double m_2 = rho[0] * A_2 - rho[2] * S_2;
     const double slider_3_0 = g->c[0] + g->e_t[0] * rho[2];
     const double slider_3_1 = g->c[1] + g->e_t[1] * rho[2];
-    const double d2_3 = t1 + t3;
-    const double h2_3 = (d2_3 - g->k[0]) * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
+    const double d2_3 = t1 + t4;
+    const double t6 = d2_3 - g->k[0];
+    const double h2_3 = t6 * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
     const double S_3 = sqrt(h2_3); /* 2 a b sin */
     const double A_3 = g->k[4] + d2_3 - g->k[5]; /* 2 a (a + b cos) */
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
-    const double t4 = 1.0 / d2_1;
-    const double t5 = 1.0 / d2_2;
-    const double t6 = 1.0 / d2_3;
+    const double t7 = 1.0 / d2_1;
+    const double t8 = 1.0 / d2_2;
+    const double t9 = 1.0 / d2_3;
+    const double t10 = g->k[1] - t4;
+    const double radicand_a = krhpr_min(krhpr_min(t3 * (g->k[1] - t1 - t2), t5 * (t10 - t2)), t6 * (t10 - t1));
     points[0] = g->c[0];
     points[1] = g->c[1];
     points[2] = g->c[2];
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = slider_1_0 + n_1 * g->k[6] * t4 + t4 * (m_1 * g->k[7]);
-    points[7] = slider_1_1 + t4 * (n_1 * g->k[8]) + t4 * (m_1 * g->k[9]);
-    points[8] = slider_1_2 + t4 * (n_1 * g->k[10]);
+    points[6] = slider_1_0 + n_1 * g->k[6] * t7 + t7 * (m_1 * g->k[7]);
+    points[7] = slider_1_1 + t7 * (n_1 * g->k[8]) + t7 * (m_1 * g->k[9]);
+    points[8] = slider_1_2 + t7 * (n_1 * g->k[10]);
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = slider_2_0 + n_2 * g->k[7] * t5 + t5 * (m_2 * g->k[11]);
-    points[13] = slider_2_1 + t5 * (n_2 * g->k[9]) + t5 * (m_2 * g->k[12]);
-    points[14] = slider_2_2 + t5 * (m_2 * g->k[13]);
+    points[12] = slider_2_0 + n_2 * g->k[7] * t8 + t8 * (m_2 * g->k[11]);
+    points[13] = slider_2_1 + t8 * (n_2 * g->k[9]) + t8 * (m_2 * g->k[12]);
+    points[14] = slider_2_2 + t8 * (m_2 * g->k[13]);
     points[15] = slider_3_0;
     points[16] = slider_3_1;
     points[17] = g->c[2];
-    points[18] = slider_3_0 + m_3 * g->k[6] * t6 + t6 * (n_3 * g->k[11]);
-    points[19] = slider_3_1 + t6 * (m_3 * g->k[8]) + t6 * (n_3 * g->k[12]);
-    points[20] = g->c[2] + t6 * (m_3 * g->k[10]) + t6 * (n_3 * g->k[13]);
+    points[18] = slider_3_0 + m_3 * g->k[6] * t9 + t9 * (n_3 * g->k[11]);
+    points[19] = slider_3_1 + t9 * (m_3 * g->k[8]) + t9 * (n_3 * g->k[12]);
+    points[20] = g->c[2] + t9 * (m_3 * g->k[10]) + t9 * (n_3 * g->k[13]);
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];
+    *radicand = radicand_a;
 }
 
 #endif

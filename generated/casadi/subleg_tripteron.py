@@ -54,20 +54,35 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any) -> tuple[Any, ...]:
-    """End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8 add, 8
-    multiply)"""
+    """End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14
+    multiply, 2 select)"""
     theta_0, theta_1, theta_2 = theta
+    t1 = theta_1 * theta_1
+    t2 = theta_2 * theta_2
+    t3 = theta_0 * theta_0
+    t4 = g.k[1] - t3
+    t5 = ca.fmin((t1 + t2 - g.k[0]) * (g.k[1] - t1 - t2), (t2 + t3 - g.k[0]) * (t4 - t2))
     return (
-        g.c[0] + g.e_1[0] * theta_1 + g.e_t[0] * theta_2 + g.e_x[0] * theta_0,
-        g.c[1] + g.e_1[1] * theta_1 + g.e_t[1] * theta_2 + g.e_x[1] * theta_0,
-        g.c[2] + g.e_1[2] * theta_1 + g.e_x[2] * theta_0,
+        (  # s
+            g.c[0] + g.e_1[0] * theta_1 + g.e_t[0] * theta_2 + g.e_x[0] * theta_0,
+            g.c[1] + g.e_1[1] * theta_1 + g.e_t[1] * theta_2 + g.e_x[1] * theta_0,
+            g.c[2] + g.e_1[2] * theta_1 + g.e_x[2] * theta_0,
+        ),
+        (  # radicand
+            ca.fmin(t5, (t1 + t3 - g.k[0]) * (t4 - t1)),
+        ),
     )
 
 
 def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
-    """End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (8
-    add, 8 multiply)"""
+    """End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19
+    add, 14 multiply, 2 select)"""
     theta_0, theta_1, theta_2 = theta
+    t1 = theta_1 * theta_1
+    t2 = theta_2 * theta_2
+    t3 = theta_0 * theta_0
+    t4 = g.k[1] - t3
+    t5 = ca.fmin((t1 + t2 - g.k[0]) * (g.k[1] - t1 - t2), (t2 + t3 - g.k[0]) * (t4 - t2))
     return (
         (  # s
             g.c[0] + g.e_1[0] * theta_1 + g.e_t[0] * theta_2 + g.e_x[0] * theta_0,
@@ -78,6 +93,9 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
             theta_0,
             theta_1,
             theta_2,
+        ),
+        (  # radicand
+            ca.fmin(t5, (t1 + t3 - g.k[0]) * (t4 - t1)),
         ),
     )
 
@@ -270,33 +288,37 @@ def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, rho: Any) -> tuple[Any, ...]:
-    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (27 add, 18
-    multiply, 3 square root, 6 arctangent)"""
+    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 21
+    multiply, 3 square root, 6 arctangent, 2 select)"""
     rho_0, rho_1, rho_2 = rho
     t1 = rho_1 * rho_1
     t2 = rho_2 * rho_2
     d2_1 = t1 + t2
-    h2_1 = (d2_1 - g.k[0]) * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
+    t3 = d2_1 - g.k[0]
+    h2_1 = t3 * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
     S_1 = ca.sqrt(h2_1)  # 2 a b sin
     C_1 = d2_1 - g.k[4] - g.k[5]  # 2 a b cos
     A_1 = d2_1 + g.k[4] - g.k[5]  # 2 a (a + b cos)
     n_1 = rho_1 * A_1 + rho_2 * S_1
     m_1 = rho_2 * A_1 - rho_1 * S_1
-    t3 = rho_0 * rho_0
-    d2_2 = t2 + t3
-    h2_2 = (d2_2 - g.k[0]) * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
+    t4 = rho_0 * rho_0
+    d2_2 = t2 + t4
+    t5 = d2_2 - g.k[0]
+    h2_2 = t5 * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
     C_2 = d2_2 - g.k[4] - g.k[5]  # 2 a b cos
     A_2 = g.k[4] + d2_2 - g.k[5]  # 2 a (a + b cos)
     n_2 = rho_2 * A_2 + rho_0 * S_2
     m_2 = rho_0 * A_2 - rho_2 * S_2
-    d2_3 = t1 + t3
-    h2_3 = (d2_3 - g.k[0]) * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
+    d2_3 = t1 + t4
+    t6 = d2_3 - g.k[0]
+    h2_3 = t6 * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
     S_3 = ca.sqrt(h2_3)  # 2 a b sin
     C_3 = d2_3 - g.k[4] - g.k[5]  # 2 a b cos
     A_3 = g.k[4] + d2_3 - g.k[5]  # 2 a (a + b cos)
     n_3 = rho_0 * A_3 + rho_1 * S_3
     m_3 = rho_1 * A_3 - rho_0 * S_3
+    t7 = g.k[1] - t4
     return (
         (  # passive
             ca.atan2(m_1, n_1),
@@ -317,12 +339,15 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
             g.e_1[2],
             0,
         ),
+        (  # radicand
+            ca.fmin(ca.fmin(t3 * (g.k[1] - t1 - t2), t5 * (t7 - t2)), t6 * (t7 - t1)),
+        ),
     )
 
 
 def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (45 add, 58 multiply, 3 divide, 3
-    square root)"""
+    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 61 multiply, 3 divide, 3
+    square root, 2 select)"""
     rho_0, rho_1, rho_2 = rho
     s_0, s_1, s_2 = s
     slider_1_0 = g.c[0] + g.e_x[0] * rho_0
@@ -331,7 +356,8 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     t1 = rho_1 * rho_1
     t2 = rho_2 * rho_2
     d2_1 = t1 + t2
-    h2_1 = (d2_1 - g.k[0]) * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
+    t3 = d2_1 - g.k[0]
+    h2_1 = t3 * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
     S_1 = ca.sqrt(h2_1)  # 2 a b sin
     A_1 = d2_1 + g.k[4] - g.k[5]  # 2 a (a + b cos)
     n_1 = rho_1 * A_1 + rho_2 * S_1
@@ -339,47 +365,55 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     slider_2_0 = g.c[0] + g.e_1[0] * rho_1
     slider_2_1 = g.c[1] + g.e_1[1] * rho_1
     slider_2_2 = g.c[2] + g.e_1[2] * rho_1
-    t3 = rho_0 * rho_0
-    d2_2 = t2 + t3
-    h2_2 = (d2_2 - g.k[0]) * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
+    t4 = rho_0 * rho_0
+    d2_2 = t2 + t4
+    t5 = d2_2 - g.k[0]
+    h2_2 = t5 * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
     A_2 = g.k[4] + d2_2 - g.k[5]  # 2 a (a + b cos)
     n_2 = rho_2 * A_2 + rho_0 * S_2
     m_2 = rho_0 * A_2 - rho_2 * S_2
     slider_3_0 = g.c[0] + g.e_t[0] * rho_2
     slider_3_1 = g.c[1] + g.e_t[1] * rho_2
-    d2_3 = t1 + t3
-    h2_3 = (d2_3 - g.k[0]) * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
+    d2_3 = t1 + t4
+    t6 = d2_3 - g.k[0]
+    h2_3 = t6 * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
     S_3 = ca.sqrt(h2_3)  # 2 a b sin
     A_3 = g.k[4] + d2_3 - g.k[5]  # 2 a (a + b cos)
     n_3 = rho_0 * A_3 + rho_1 * S_3
     m_3 = rho_1 * A_3 - rho_0 * S_3
-    t4 = 1 / d2_1
-    t5 = 1 / d2_2
-    t6 = 1 / d2_3
+    t7 = 1 / d2_1
+    t8 = 1 / d2_2
+    t9 = 1 / d2_3
+    t10 = g.k[1] - t4
     return (
-        g.c[0],
-        g.c[1],
-        g.c[2],
-        slider_1_0,
-        slider_1_1,
-        slider_1_2,
-        slider_1_0 + n_1 * g.k[6] * t4 + t4 * (m_1 * g.k[7]),
-        slider_1_1 + t4 * (n_1 * g.k[8]) + t4 * (m_1 * g.k[9]),
-        slider_1_2 + t4 * (n_1 * g.k[10]),
-        slider_2_0,
-        slider_2_1,
-        slider_2_2,
-        slider_2_0 + n_2 * g.k[7] * t5 + t5 * (m_2 * g.k[11]),
-        slider_2_1 + t5 * (n_2 * g.k[9]) + t5 * (m_2 * g.k[12]),
-        slider_2_2 + t5 * (m_2 * g.k[13]),
-        slider_3_0,
-        slider_3_1,
-        g.c[2],
-        slider_3_0 + m_3 * g.k[6] * t6 + t6 * (n_3 * g.k[11]),
-        slider_3_1 + t6 * (m_3 * g.k[8]) + t6 * (n_3 * g.k[12]),
-        g.c[2] + t6 * (m_3 * g.k[10]) + t6 * (n_3 * g.k[13]),
-        s_0,
-        s_1,
-        s_2,
+        (  # points
+            g.c[0],
+            g.c[1],
+            g.c[2],
+            slider_1_0,
+            slider_1_1,
+            slider_1_2,
+            slider_1_0 + n_1 * g.k[6] * t7 + t7 * (m_1 * g.k[7]),
+            slider_1_1 + t7 * (n_1 * g.k[8]) + t7 * (m_1 * g.k[9]),
+            slider_1_2 + t7 * (n_1 * g.k[10]),
+            slider_2_0,
+            slider_2_1,
+            slider_2_2,
+            slider_2_0 + n_2 * g.k[7] * t8 + t8 * (m_2 * g.k[11]),
+            slider_2_1 + t8 * (n_2 * g.k[9]) + t8 * (m_2 * g.k[12]),
+            slider_2_2 + t8 * (m_2 * g.k[13]),
+            slider_3_0,
+            slider_3_1,
+            g.c[2],
+            slider_3_0 + m_3 * g.k[6] * t9 + t9 * (n_3 * g.k[11]),
+            slider_3_1 + t9 * (m_3 * g.k[8]) + t9 * (n_3 * g.k[12]),
+            g.c[2] + t9 * (m_3 * g.k[10]) + t9 * (n_3 * g.k[13]),
+            s_0,
+            s_1,
+            s_2,
+        ),
+        (  # radicand
+            ca.fmin(ca.fmin(t3 * (g.k[1] - t1 - t2), t5 * (t10 - t2)), t6 * (t10 - t1)),
+        ),
     )

@@ -222,7 +222,7 @@ SIGNATURES = {
     ),
     "subleg_forward": rt.Signature(
         "subleg_forward",
-        "End points of the sub-legs from the actuated joints.",
+        "End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.",
         "3.5",
         (
             rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
@@ -632,7 +632,7 @@ def redundant_coordinates(
 
 
 def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
-    """End points of the sub-legs from the actuated joints.
+    """End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.
 
     Thesis: 3.5.
 
@@ -647,11 +647,14 @@ def subleg_forward(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status:
     arguments = rt.Arguments(SIGNATURES["subleg_forward"], (theta,))
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
-        s = subleg.forward(g.subleg, arguments.leg("theta"))
+        s, radicand = subleg.forward(g.subleg, arguments.leg("theta"))
         results = arguments.finish(
             {
                 "s": s,
             },
+            (
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("s", )),
+            ),
         )
     answer = results[0]
     return (answer, results[-1]) if status else answer
@@ -1151,7 +1154,7 @@ def passive_joints(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        passive, link = subleg.passive(g.subleg, rho)
+        passive, link, radicand = subleg.passive(g.subleg, rho)
         redundant_link, platform_joint = platform.joint(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         spherical = algebra.wrist(link, redundant_link)
@@ -1161,6 +1164,9 @@ def passive_joints(
                 "spherical": spherical,
                 "platform_joint": platform_joint,
             },
+            (
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("passive", "spherical", "platform_joint", )),
+            ),
         )
     answer = PassiveJoints(*results[:-1])
     return (answer, results[-1]) if status else answer
@@ -1189,13 +1195,16 @@ def link_points(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        points = subleg.points(g.subleg, rho, arguments.leg("s"))
+        points, radicand = subleg.points(g.subleg, rho, arguments.leg("s"))
         attachment = platform.attachment(g.platform, arguments.leg("Q"), arguments.leg("s"))
         results = arguments.finish(
             {
                 "points": points,
                 "attachment": attachment,
             },
+            (
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("points", "attachment", )),
+            ),
         )
     answer = LinkPoints(*results[:-1])
     return (answer, results[-1]) if status else answer

@@ -296,27 +296,27 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, d: Any, u_2: Any, u_3: Any, s_dot: Any, swivel_rates: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (20 add, 24 multiply, 1 divide, 1
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (11 add, 13 multiply, 1 divide, 1
     select)"""
     d_0, d_1 = d
     u_2_0, u_2_1 = u_2
     u_3_0, u_3_1 = u_3
     s_dot_0, s_dot_1 = s_dot
     swivel_rates, = swivel_rates
-    t1 = d_0 - u_2_0 - u_3_0
-    t2 = d_1 - u_2_1 - u_3_1
-    elbow = (u_2_1 * t1 - u_2_0 * t2) * g.k[5]  # sin(theta_2)
-    t3 = u_2_1 + u_3_1
-    t4 = u_2_0 + u_3_0
-    t5 = u_3_0 - d_0
-    t6 = 1 / (t3 * t5 + d_1 * u_2_0 + u_3_1 * t1)
-    t7 = (u_2_0 * s_dot_0 + u_2_1 * s_dot_1 + swivel_rates * (u_3_1 * t4 - u_3_0 * t3)) * t6
-    t8 = s_dot_0 * t5 + s_dot_1 * (u_3_1 - d_1) + swivel_rates * (d_1 * u_3_0 - d_0 * u_3_1)
+    u_1_0 = d_0 - u_2_0 - u_3_0  # first link
+    u_1_1 = d_1 - u_2_1 - u_3_1
+    elbow = (u_2_1 * u_1_0 - u_2_0 * u_1_1) * g.k[5]  # sin(theta_2)
+    w_dot_0 = s_dot_0 + u_3_1 * swivel_rates  # velocity of the wrist
+    w_dot_1 = s_dot_1 - u_3_0 * swivel_rates
+    l12_sin_2 = g.l_2 * (g.l_1 * elbow)  # l_1 l_2 sin(theta_2)
+    t1 = 1 / l12_sin_2
+    t_1 = (u_2_0 * w_dot_0 + u_2_1 * w_dot_1) * t1  # rate of the first link
+    t2 = t1 * (u_1_0 * w_dot_0 + u_1_1 * w_dot_1)
     return (
         (  # theta_dot
-            -t7,
-            -t6 * t8,
-            -t6 * (t1 * s_dot_0 + t2 * s_dot_1 + swivel_rates * (d_0 * t3 - d_1 * t4)),
+            t_1,
+            -(t_1 + t2),
+            swivel_rates + t2,
         ),
         (  # regularity
             np.abs(elbow),

@@ -37,6 +37,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_1 = R_b * e_r_1 - t5
     t6 = l_2 - l_3
     t7 = l_2 + l_3
+    k_6 = l_2 * l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -48,7 +49,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(1 / l_2, t6 * t6, t7 * t7, l_2 * l_2, l_3 * l_3, np.abs(t6), 1 / (l_2 * l_3), 1 / t7, 1 / l_3, t4 + c_0, t5 + c_1, 0,),
+        k=(1 / l_2, t6 * t6, t7 * t7, l_2 * l_2, l_3 * l_3, np.abs(t6), k_6, 1 / k_6, 1 / t7, 1 / l_3, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -567,7 +568,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 def rates(
     g: Any, x: Any, e_2: Any, d: Any, v: Any, e_4: Any, s_dot: Any, swivel_rates: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the 4R sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (35 add, 58 multiply, 4 divide, 2
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (33 add, 56 multiply, 4 divide, 2
     square root, 7 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -588,22 +589,23 @@ def rates(
     d2 = r2 + d_1 * d_1
     distance = np.sqrt(d2)
     t4 = e_4_0 * (v_2 * t2 - v_1 * t3) + e_4_1 * (v_0 * t3 - v_2 * t1) + e_4_2 * (v_1 * t1 - v_0 * t2)
-    sin_4 = t4 * g.k[6]
+    sin_4 = t4 * g.k[7]
     r = np.sqrt(r2)
     v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
-    rate_4 = (d_0 * v_l_0 + d_1 * v_l_1 + d_2 * v_l_2) / (d_0 * m_4_0 + d_1 * m_4_1 + d_2 * m_4_2)
-    turned_0 = v_l_0 - m_4_0 * rate_4  # omega x d
-    turned_1 = v_l_1 - m_4_1 * rate_4
-    turned_2 = v_l_2 - m_4_2 * rate_4
+    t5 = (d_0 * v_l_0 + d_1 * v_l_1 + d_2 * v_l_2) / (g.k[6] * sin_4)
+    rate_4 = -t5
+    turned_0 = v_l_0 + m_4_0 * t5  # omega x d
+    turned_1 = v_l_1 + m_4_1 * t5
+    turned_2 = v_l_2 + m_4_2 * t5
     about = distance * swivel_rates + d_1 * (d_2 * v_l_0 - d_0 * v_l_2) / r2  # omega^T d
-    t5 = 1 / d2
-    omega_0 = (d_0 * about + d_1 * turned_2 - d_2 * turned_1) * t5
-    omega_1 = t5 * (d_1 * about + d_2 * turned_0 - d_0 * turned_2)
-    omega_2 = t5 * (d_2 * about + d_0 * turned_1 - d_1 * turned_0)
+    t6 = 1 / d2
+    omega_0 = (d_0 * about + d_1 * turned_2 - d_2 * turned_1) * t6
+    omega_1 = t6 * (d_1 * about + d_2 * turned_0 - d_0 * turned_2)
+    omega_2 = t6 * (d_2 * about + d_0 * turned_1 - d_1 * turned_0)
     rate_3 = omega_0 / dir_0
-    regularity_a = np.fmin(np.fmin(np.fmin(np.abs(dir_0), np.abs(sin_4)), np.abs(distance * g.k[7])), np.abs(r * g.k[7]))
+    regularity_a = np.fmin(np.fmin(np.fmin(np.abs(dir_0), np.abs(sin_4)), np.abs(distance * g.k[8])), np.abs(r * g.k[8]))
     return (
         (  # theta_dot
             omega_1 - dir_1 * rate_3,
@@ -640,7 +642,7 @@ def determinant(g: Any, d: Any, v: Any, e_4: Any) -> tuple[Any, ...]:
     d2 = r2 + d_1 * d_1
     distance = np.sqrt(d2)
     t5 = e_4_0 * (v_2 * t2 - v_1 * t3) + e_4_1 * (v_0 * t3 - v_2 * t1) + e_4_2 * (v_1 * t1 - v_0 * t2)
-    sin_4 = t5 * g.k[6]
+    sin_4 = t5 * g.k[7]
     r = np.sqrt(r2)
     t6 = d_0 * d_2
     t7 = d_0 * d_1
@@ -658,8 +660,8 @@ def determinant(g: Any, d: Any, v: Any, e_4: Any) -> tuple[Any, ...]:
         (  # factors
             dir_0,
             sin_4,
-            distance * g.k[7],
-            r * g.k[7],
+            distance * g.k[8],
+            r * g.k[8],
         ),
     )
 
@@ -670,9 +672,9 @@ def passive(g: Any, x: Any, e_2: Any, v: Any, e_4: Any) -> tuple[Any, ...]:
     e_2_0, e_2_1, e_2_2 = e_2
     v_0, v_1, v_2 = v
     e_4_0, e_4_1, e_4_2 = e_4
-    dir_0 = v_0 * g.k[8]  # along the forearm
-    dir_1 = v_1 * g.k[8]
-    dir_2 = v_2 * g.k[8]
+    dir_0 = v_0 * g.k[9]  # along the forearm
+    dir_1 = v_1 * g.k[9]
+    dir_2 = v_2 * g.k[9]
     across_0 = e_4_1 * dir_2 - e_4_2 * dir_1
     across_1 = e_4_2 * dir_0 - e_4_0 * dir_2
     across_2 = e_4_0 * dir_1 - e_4_1 * dir_0
@@ -696,9 +698,9 @@ def points(g: Any, x: Any, e_2: Any, v: Any, s: Any) -> tuple[Any, ...]:
     v_0, v_1, v_2 = v
     s_0, s_1, s_2 = s
     return (
-        g.k[9],
         g.k[10],
         g.k[11],
+        g.k[12],
         g.c[0],
         g.c[1],
         g.c[2],

@@ -389,46 +389,40 @@ static inline void krhpr_subleg_planar_rrr_bias_tangent(
     }
 }
 
-/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (59 add, 65
+/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (32 add, 38
  * multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rrr_rates_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *s_dot, const krhpr_dual *swivel_rates,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
-    (void)(g);
-    const double h5 = d[0].v - u_2[0].v - u_3[0].v;
-    const double h11 = d[1].v - u_2[1].v - u_3[1].v;
-    const double h1 = u_2[1].v + u_3[1].v;
-    const double h2 = u_2[0].v + u_3[0].v;
-    const double h3 = u_3[1].v * h2 - u_3[0].v * h1;
-    const double h7 = u_2[0].v * s_dot[0].v + u_2[1].v * s_dot[1].v + swivel_rates[0].v * h3;
-    const double h4 = u_3[0].v - d[0].v;
-    const double h6 = 1.0 / (h1 * h4 + d[1].v * u_2[0].v + u_3[1].v * h5);
-    const double h8 = u_3[1].v - d[1].v;
-    const double h9 = d[1].v * u_3[0].v - d[0].v * u_3[1].v;
-    const double h10 = s_dot[0].v * h4 + s_dot[1].v * h8 + swivel_rates[0].v * h9;
-    const double h12 = d[0].v * h1 - d[1].v * h2;
-    const double h13 = h5 * s_dot[0].v + h11 * s_dot[1].v + swivel_rates[0].v * h12;
-    theta_dot[0].v = -h7 * h6;
-    theta_dot[1].v = -h6 * h10;
-    theta_dot[2].v = -h6 * h13;
+    const double u_1_0 = d[0].v - u_2[0].v - u_3[0].v;
+    const double u_1_1 = d[1].v - u_2[1].v - u_3[1].v;
+    const double elbow = (u_2[1].v * u_1_0 - u_2[0].v * u_1_1) * g->k[5];
+    const double w_dot_0 = s_dot[0].v + u_3[1].v * swivel_rates[0].v;
+    const double w_dot_1 = s_dot[1].v - u_3[0].v * swivel_rates[0].v;
+    const double l12_sin_2 = g->l_2 * (g->l_1 * elbow);
+    const double h2 = u_2[0].v * w_dot_0 + u_2[1].v * w_dot_1;
+    const double h1 = 1.0 / l12_sin_2;
+    const double t_1 = h2 * h1;
+    const double h3 = u_1_0 * w_dot_0 + u_1_1 * w_dot_1;
+    const double t1 = h1 * h3;
+    theta_dot[0].v = t_1;
+    theta_dot[1].v = -(t_1 + t1);
+    theta_dot[2].v = swivel_rates[0].v + t1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = d[0].t[k] - u_2[0].t[k] - u_3[0].t[k];
-        const double t2 = s_dot[0].v * u_2[0].t[k] + u_2[0].v * s_dot[0].t[k] + (s_dot[1].v * u_2[1].t[k] + u_2[1].v * s_dot[1].t[k]);
-        const double t3 = u_2[1].t[k] + u_3[1].t[k];
-        const double t4 = u_2[0].t[k] + u_3[0].t[k];
-        const double t5 = swivel_rates[0].v * (h2 * u_3[1].t[k] + u_3[1].v * t4 - (h1 * u_3[0].t[k] + u_3[0].v * t3));
-        const double t6 = u_3[0].t[k] - d[0].t[k];
-        const double t7 = h4 * t3 + h1 * t6 + (u_2[0].v * d[1].t[k] + d[1].v * u_2[0].t[k]) + (h5 * u_3[1].t[k] + u_3[1].v * t1);
-        const double t8 = h6 * (h6 * t7);
-        const double t9 = h4 * s_dot[0].t[k] + s_dot[0].v * t6 + (h8 * s_dot[1].t[k] + s_dot[1].v * (u_3[1].t[k] - d[1].t[k]));
-        const double t10 = u_3[0].v * d[1].t[k] + d[1].v * u_3[0].t[k] - (u_3[1].v * d[0].t[k] + d[0].v * u_3[1].t[k]);
-        const double t11 = s_dot[0].v * t1 + h5 * s_dot[0].t[k] + (s_dot[1].v * (d[1].t[k] - u_2[1].t[k] - u_3[1].t[k]) + h11 * s_dot[1].t[k]);
-        const double t12 = swivel_rates[0].v * (h1 * d[0].t[k] + d[0].v * t3 - (h2 * d[1].t[k] + d[1].v * t4));
-        theta_dot[0].t[k] = h7 * t8 - h6 * (t2 + (h3 * swivel_rates[0].t[k] + t5));
-        theta_dot[1].t[k] = h10 * t8 - h6 * (t9 + (h9 * swivel_rates[0].t[k] + swivel_rates[0].v * t10));
-        theta_dot[2].t[k] = h13 * t8 - h6 * (t11 + (h12 * swivel_rates[0].t[k] + t12));
+        const double t2 = d[0].t[k] - u_2[0].t[k] - u_3[0].t[k];
+        const double t3 = d[1].t[k] - u_2[1].t[k] - u_3[1].t[k];
+        const double t4 = g->k[5] * (u_1_0 * u_2[1].t[k] + u_2[1].v * t2 - (u_1_1 * u_2[0].t[k] + u_2[0].v * t3));
+        const double t5 = s_dot[0].t[k] + (swivel_rates[0].v * u_3[1].t[k] + u_3[1].v * swivel_rates[0].t[k]);
+        const double t6 = s_dot[1].t[k] - (swivel_rates[0].v * u_3[0].t[k] + u_3[0].v * swivel_rates[0].t[k]);
+        const double t7 = w_dot_0 * u_2[0].t[k] + u_2[0].v * t5 + (w_dot_1 * u_2[1].t[k] + u_2[1].v * t6);
+        const double t8 = h1 * (h1 * (g->l_2 * (g->l_1 * t4)));
+        const double t9 = h1 * t7 - h2 * t8;
+        const double t10 = h1 * (w_dot_0 * t2 + u_1_0 * t5 + (w_dot_1 * t3 + u_1_1 * t6)) - h3 * t8;
+        theta_dot[0].t[k] = t9;
+        theta_dot[1].t[k] = -(t9 + t10);
+        theta_dot[2].t[k] = swivel_rates[0].t[k] + t10;
     }
 }
 

@@ -957,80 +957,92 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
     }
 }
 
-/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (102 add,
- * 140 multiply, 8 divide, 1 square root) */
+/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (116 add,
+ * 162 multiply, 8 divide, 1 square root) */
 static inline void krhpr_subleg_rrrr_rates_tangent(
     const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
     const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *s_dot, const krhpr_dual *swivel_rates,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
-    const double dir_0 = (d[0].v - v[0].v) * g->k[0];
-    const double dir_1 = g->k[0] * (d[1].v - v[1].v);
+    const double h5 = d[0].v - v[0].v;
+    const double dir_0 = h5 * g->k[0];
+    const double h2 = d[1].v - v[1].v;
+    const double dir_1 = g->k[0] * h2;
+    const double h3 = d[2].v - v[2].v;
     const double m_4_0 = v[2].v * e_4[1].v - v[1].v * e_4[2].v;
     const double m_4_1 = v[0].v * e_4[2].v - v[2].v * e_4[0].v;
     const double m_4_2 = v[1].v * e_4[0].v - v[0].v * e_4[1].v;
     const double r2 = d[0].v * d[0].v + d[2].v * d[2].v;
     const double d2 = r2 + d[1].v * d[1].v;
     const double distance = sqrt(d2);
+    const double h4 = v[2].v * h2 - v[1].v * h3;
+    const double h6 = v[0].v * h3 - v[2].v * h5;
+    const double h7 = v[1].v * h5 - v[0].v * h2;
+    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[7];
     const double v_l_0 = x[0].v * s_dot[0].v + x[1].v * s_dot[1].v + x[2].v * s_dot[2].v;
     const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
     const double v_l_2 = e_2[0].v * s_dot[0].v + e_2[1].v * s_dot[1].v + e_2[2].v * s_dot[2].v;
-    const double t1 = d[0].v * m_4_0 + d[1].v * m_4_1 + d[2].v * m_4_2;
-    const double rate_4 = (d[0].v * v_l_0 + d[1].v * v_l_1 + d[2].v * v_l_2) / t1;
-    const double turned_0 = v_l_0 - m_4_0 * rate_4;
-    const double turned_1 = v_l_1 - m_4_1 * rate_4;
-    const double turned_2 = v_l_2 - m_4_2 * rate_4;
-    const double h3 = d[2].v * v_l_0 - d[0].v * v_l_2;
-    const double h4 = d[1].v * h3 / r2;
-    const double about = distance * swivel_rates[0].v + h4;
-    const double h7 = d[0].v * about + d[1].v * turned_2 - d[2].v * turned_1;
-    const double h6 = 1.0 / d2;
-    const double omega_0 = h7 * h6;
-    const double h8 = d[1].v * about + d[2].v * turned_0 - d[0].v * turned_2;
-    const double omega_1 = h6 * h8;
-    const double h9 = d[2].v * about + d[0].v * turned_1 - d[1].v * turned_0;
-    const double omega_2 = h6 * h9;
+    const double t1 = g->k[6] * sin_4;
+    const double h8 = (d[0].v * v_l_0 + d[1].v * v_l_1 + d[2].v * v_l_2) / t1;
+    const double rate_4 = -h8;
+    const double turned_0 = v_l_0 + m_4_0 * h8;
+    const double turned_1 = v_l_1 + m_4_1 * h8;
+    const double turned_2 = v_l_2 + m_4_2 * h8;
+    const double h10 = d[2].v * v_l_0 - d[0].v * v_l_2;
+    const double h11 = d[1].v * h10 / r2;
+    const double about = distance * swivel_rates[0].v + h11;
+    const double h14 = d[0].v * about + d[1].v * turned_2 - d[2].v * turned_1;
+    const double h13 = 1.0 / d2;
+    const double omega_0 = h14 * h13;
+    const double h15 = d[1].v * about + d[2].v * turned_0 - d[0].v * turned_2;
+    const double omega_1 = h13 * h15;
+    const double h16 = d[2].v * about + d[0].v * turned_1 - d[1].v * turned_0;
+    const double omega_2 = h13 * h16;
     const double rate_3 = omega_0 / dir_0;
     const double h1 = 1.0 / distance;
-    const double h2 = 1.0 / t1;
-    const double h5 = 1.0 / r2;
-    const double h10 = 1.0 / dir_0;
+    const double h9 = 1.0 / t1;
+    const double h12 = 1.0 / r2;
+    const double h17 = 1.0 / dir_0;
     theta_dot[0].v = omega_1 - dir_1 * rate_3;
     theta_dot[1].v = omega_2;
     theta_dot[2].v = rate_3;
     theta_dot[3].v = rate_4;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = e_4[1].v * v[2].t[k] + v[2].v * e_4[1].t[k] - (e_4[2].v * v[1].t[k] + v[1].v * e_4[2].t[k]);
-        const double t3 = e_4[2].v * v[0].t[k] + v[0].v * e_4[2].t[k] - (e_4[0].v * v[2].t[k] + v[2].v * e_4[0].t[k]);
-        const double t4 = e_4[0].v * v[1].t[k] + v[1].v * e_4[0].t[k] - (e_4[1].v * v[0].t[k] + v[0].v * e_4[1].t[k]);
-        const double t5 = d[0].v * d[0].t[k];
-        const double t6 = d[2].v * d[2].t[k];
-        const double t7 = t5 + t5 + (t6 + t6);
-        const double t8 = d[1].v * d[1].t[k];
-        const double t9 = t7 + (t8 + t8);
-        const double t10 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
-        const double t11 = t10 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
-        const double t12 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
-        const double t13 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
-        const double t14 = t13 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]);
-        const double t15 = v_l_0 * d[0].t[k] + d[0].v * t11 + (v_l_1 * d[1].t[k] + d[1].v * t12) + (v_l_2 * d[2].t[k] + d[2].v * t14);
-        const double t16 = m_4_0 * d[0].t[k] + d[0].v * t2 + (m_4_1 * d[1].t[k] + d[1].v * t3) + (m_4_2 * d[2].t[k] + d[2].v * t4);
-        const double t17 = h2 * (t15 - rate_4 * t16);
-        const double t18 = t11 - (rate_4 * t2 + m_4_0 * t17);
-        const double t19 = t12 - (rate_4 * t3 + m_4_1 * t17);
-        const double t20 = t14 - (rate_4 * t4 + m_4_2 * t17);
-        const double t21 = d[1].v * (v_l_0 * d[2].t[k] + d[2].v * t11 - (v_l_2 * d[0].t[k] + d[0].v * t14));
-        const double t22 = swivel_rates[0].v * (h1 * (0.5 * t9)) + distance * swivel_rates[0].t[k] + h5 * (h3 * d[1].t[k] + t21 - h4 * t7);
-        const double t23 = about * d[0].t[k] + d[0].v * t22 + (turned_2 * d[1].t[k] + d[1].v * t20) - (turned_1 * d[2].t[k] + d[2].v * t19);
-        const double t24 = h6 * (h6 * t9);
-        const double t25 = about * d[1].t[k] + d[1].v * t22 + (turned_0 * d[2].t[k] + d[2].v * t18) - (turned_2 * d[0].t[k] + d[0].v * t20);
-        const double t26 = about * d[2].t[k] + d[2].v * t22 + (turned_1 * d[0].t[k] + d[0].v * t19) - (turned_0 * d[1].t[k] + d[1].v * t18);
-        const double t27 = h10 * (h6 * t23 - h7 * t24 - rate_3 * (g->k[0] * (d[0].t[k] - v[0].t[k])));
-        const double t28 = h6 * t25 - h8 * t24 - (rate_3 * (g->k[0] * (d[1].t[k] - v[1].t[k])) + dir_1 * t27);
-        theta_dot[0].t[k] = t28;
-        theta_dot[1].t[k] = h6 * t26 - h9 * t24;
-        theta_dot[2].t[k] = t27;
-        theta_dot[3].t[k] = t17;
+        const double t2 = d[0].t[k] - v[0].t[k];
+        const double t3 = d[1].t[k] - v[1].t[k];
+        const double t4 = d[2].t[k] - v[2].t[k];
+        const double t5 = e_4[1].v * v[2].t[k] + v[2].v * e_4[1].t[k] - (e_4[2].v * v[1].t[k] + v[1].v * e_4[2].t[k]);
+        const double t6 = e_4[2].v * v[0].t[k] + v[0].v * e_4[2].t[k] - (e_4[0].v * v[2].t[k] + v[2].v * e_4[0].t[k]);
+        const double t7 = e_4[0].v * v[1].t[k] + v[1].v * e_4[0].t[k] - (e_4[1].v * v[0].t[k] + v[0].v * e_4[1].t[k]);
+        const double t8 = d[0].v * d[0].t[k];
+        const double t9 = d[2].v * d[2].t[k];
+        const double t10 = t8 + t8 + (t9 + t9);
+        const double t11 = d[1].v * d[1].t[k];
+        const double t12 = t10 + (t11 + t11);
+        const double t13 = h4 * e_4[0].t[k] + e_4[0].v * (h2 * v[2].t[k] + v[2].v * t3 - (h3 * v[1].t[k] + v[1].v * t4));
+        const double t14 = h6 * e_4[1].t[k] + e_4[1].v * (h3 * v[0].t[k] + v[0].v * t4 - (h5 * v[2].t[k] + v[2].v * t2));
+        const double t15 = h7 * e_4[2].t[k] + e_4[2].v * (h5 * v[1].t[k] + v[1].v * t2 - (h2 * v[0].t[k] + v[0].v * t3));
+        const double t16 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
+        const double t17 = t16 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
+        const double t18 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t19 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
+        const double t20 = t19 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]);
+        const double t21 = v_l_0 * d[0].t[k] + d[0].v * t17 + (v_l_1 * d[1].t[k] + d[1].v * t18) + (v_l_2 * d[2].t[k] + d[2].v * t20);
+        const double t22 = h9 * (t21 - h8 * (g->k[6] * (g->k[7] * (t13 + t14 + t15))));
+        const double t23 = t17 + (h8 * t5 + m_4_0 * t22);
+        const double t24 = t18 + (h8 * t6 + m_4_1 * t22);
+        const double t25 = t20 + (h8 * t7 + m_4_2 * t22);
+        const double t26 = d[1].v * (v_l_0 * d[2].t[k] + d[2].v * t17 - (v_l_2 * d[0].t[k] + d[0].v * t20));
+        const double t27 = swivel_rates[0].v * (h1 * (0.5 * t12)) + distance * swivel_rates[0].t[k] + h12 * (h10 * d[1].t[k] + t26 - h11 * t10);
+        const double t28 = about * d[0].t[k] + d[0].v * t27 + (turned_2 * d[1].t[k] + d[1].v * t25) - (turned_1 * d[2].t[k] + d[2].v * t24);
+        const double t29 = h13 * (h13 * t12);
+        const double t30 = about * d[1].t[k] + d[1].v * t27 + (turned_0 * d[2].t[k] + d[2].v * t23) - (turned_2 * d[0].t[k] + d[0].v * t25);
+        const double t31 = about * d[2].t[k] + d[2].v * t27 + (turned_1 * d[0].t[k] + d[0].v * t24) - (turned_0 * d[1].t[k] + d[1].v * t23);
+        const double t32 = h17 * (h13 * t28 - h14 * t29 - rate_3 * (g->k[0] * t2));
+        theta_dot[0].t[k] = h13 * t30 - h15 * t29 - (rate_3 * (g->k[0] * t3) + dir_1 * t32);
+        theta_dot[1].t[k] = h13 * t31 - h16 * t29;
+        theta_dot[2].t[k] = t32;
+        theta_dot[3].t[k] = -t22;
     }
 }
 
@@ -1059,7 +1071,7 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
     const double h4 = v[2].v * h2 - v[1].v * h3;
     const double h6 = v[0].v * h3 - v[2].v * h5;
     const double h7 = v[1].v * h5 - v[0].v * h2;
-    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[6];
+    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[7];
     const double r = sqrt(r2);
     const double h9 = d[0].v * d[2].v;
     const double h10 = d[0].v * d[1].v;
@@ -1078,8 +1090,8 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
     det_M[0].v = det_M_a;
     factors[0].v = dir_0;
     factors[1].v = sin_4;
-    factors[2].v = distance * g->k[7];
-    factors[3].v = r * g->k[7];
+    factors[2].v = distance * g->k[8];
+    factors[3].v = r * g->k[8];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - v[0].t[k];
         const double t2 = g->k[0] * t1;
@@ -1113,9 +1125,9 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
         const double t30 = minor_3 * (t26 - (h13 * t12 + m_4_2 * t24));
         det_M[0].t[k] = h16 * (0.5 * (t27 + t27 + (t28 + t28) + (t29 + t29) + (t30 + t30)));
         factors[0].t[k] = t2;
-        factors[1].t[k] = g->k[6] * (t18 + t19 + t20);
-        factors[2].t[k] = g->k[7] * (h1 * (0.5 * (t16 + (t17 + t17))));
-        factors[3].t[k] = g->k[7] * (h8 * (0.5 * t16));
+        factors[1].t[k] = g->k[7] * (t18 + t19 + t20);
+        factors[2].t[k] = g->k[8] * (h1 * (0.5 * (t16 + (t17 + t17))));
+        factors[3].t[k] = g->k[8] * (h8 * (0.5 * t16));
     }
 }
 
@@ -1124,9 +1136,9 @@ static inline void krhpr_subleg_rrrr_passive_tangent(
     const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *v,
     const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v[0].v * g->k[8];
-    const double dir_1 = v[1].v * g->k[8];
-    const double dir_2 = v[2].v * g->k[8];
+    const double dir_0 = v[0].v * g->k[9];
+    const double dir_1 = v[1].v * g->k[9];
+    const double dir_2 = v[2].v * g->k[9];
     const double across_0 = e_4[1].v * dir_2 - e_4[2].v * dir_1;
     const double across_1 = e_4[2].v * dir_0 - e_4[0].v * dir_2;
     const double across_2 = e_4[0].v * dir_1 - e_4[1].v * dir_0;
@@ -1140,9 +1152,9 @@ static inline void krhpr_subleg_rrrr_passive_tangent(
     link[7].v = x[2].v * across_0 + g->e_1[2] * across_1 + e_2[2].v * across_2;
     link[8].v = e_2[2].v * e_4[2].v + x[2].v * e_4[0].v + g->e_1[2] * e_4[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[8] * v[0].t[k];
-        const double t2 = g->k[8] * v[1].t[k];
-        const double t3 = g->k[8] * v[2].t[k];
+        const double t1 = g->k[9] * v[0].t[k];
+        const double t2 = g->k[9] * v[1].t[k];
+        const double t3 = g->k[9] * v[2].t[k];
         const double t4 = dir_2 * e_4[1].t[k] + e_4[1].v * t3 - (dir_1 * e_4[2].t[k] + e_4[2].v * t2);
         const double t5 = dir_0 * e_4[2].t[k] + e_4[2].v * t1 - (dir_2 * e_4[0].t[k] + e_4[0].v * t3);
         const double t6 = dir_1 * e_4[0].t[k] + e_4[0].v * t2 - (dir_0 * e_4[1].t[k] + e_4[1].v * t1);
@@ -1172,9 +1184,9 @@ static inline void krhpr_subleg_rrrr_points_tangent(
     const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *v,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->k[9];
-    points[1].v = g->k[10];
-    points[2].v = g->k[11];
+    points[0].v = g->k[10];
+    points[1].v = g->k[11];
+    points[2].v = g->k[12];
     points[3].v = g->c[0];
     points[4].v = g->c[1];
     points[5].v = g->c[2];
