@@ -488,10 +488,15 @@ class _Functions:
         )
 
     def _loop_guard(self) -> tuple[Guard, ...]:
-        """Where loops of passive joints do not close there are no passive joints."""
+        """Where loops of passive joints do not close, or leave a joint undetermined, there are no passive
+        joints.
+        """
         if not self.robot.subleg.has_loops():
             return ()
-        return (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
+        return (
+            Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),
+            Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE**2, Status.SINGULAR_LEG_1),
+        )
 
     def _link_points(self) -> RobotFunction:
         points = self.robot.subleg.points_port()

@@ -76,6 +76,16 @@ class Passive:
     link: sp.Matrix
 
 
+@dataclass(frozen=True)
+class PassiveLoops:
+    """Where loops of passive joints close and determine these joints."""
+
+    radicands: tuple[Any, ...]
+    """None is negative where the loops close."""
+    lengths: tuple[Any, ...]
+    """Dimensionless; a loop leaves its joints undetermined where its length is zero."""
+
+
 Posture = dict[str, Any]
 """Values of a posture by port name."""
 
@@ -166,11 +176,11 @@ class SubLeg(ABC):
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         """Where the leg's joints are, in the base frame, from the base on, S_i last; `links` join them."""
 
-    def loops(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:
-        """Radicands of loops of passive joints, which the actuated joints do not drive: the leg can be
-        assembled where none is negative.  Left out where there are no such loops.
+    def loops(self, k: KernelWriter, at: SimpleNamespace) -> PassiveLoops | None:
+        """Loops of passive joints that the actuated joints do not drive, where there are any: passive joints
+        and points exist where these close.
         """
-        return []
+        return None
 
     def swivel_angle(self, k: KernelWriter, at: SimpleNamespace) -> Any:
         """The swivel of a redundant sub-leg at a posture."""

@@ -364,13 +364,15 @@ class SubLegKernels:
             worst = absolute[0] if len(absolute) == 1 else k.minimum(*absolute)
             k.output("regularity", worst, doc=REGULARITY_DOC)
 
-
     def _loops(self, k: KernelWriter, at: SimpleNamespace) -> None:
-        """The smallest radicand of the loops of passive joints."""
-        if radicands := self.leg.loops(k, at):
-            k.output(
-                "radicand", k.minimum(*radicands), Unit.MIXED, doc="not negative where passive joints exist"
-            )
+        """Whether the loops of passive joints close and determine these joints."""
+        loops = self.leg.loops(k, at)
+        if loops is None:
+            return
+        doc = "not negative where the passive joints exist"
+        k.output("radicand", k.minimum(*loops.radicands), Unit.MIXED, doc=doc)
+        doc = "squared distances over lengths; zero where a passive joint is undetermined"
+        k.output("regularity", k.minimum(*loops.lengths), doc=doc)
 
 
 def _minors(m: sp.Matrix) -> list[Any]:

@@ -15,7 +15,14 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.sublegs.base import Forward, Passive, Posture, SubLeg, VelocityEquations
+from krhpr.derivations.sublegs.base import (
+    Forward,
+    Passive,
+    PassiveLoops,
+    Posture,
+    SubLeg,
+    VelocityEquations,
+)
 from krhpr.derivations.sublegs.carriers import leg_axes, leg_frame_geometry
 from krhpr.derivations.sublegs.two_link import outside, two_link
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
@@ -126,8 +133,10 @@ class Tripteron(SubLeg):
             angles += [arm.inner, arm.elbow]
         return Passive(tuple(zip(self.passive_joints, angles, strict=True)), self._axes(k))
 
-    def loops(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:
-        return self._radicands(k, at.rho)
+    def loops(self, k: KernelWriter, at: SimpleNamespace) -> PassiveLoops:
+        # links of equal lengths that are folded leave the direction of the pair free
+        lengths = tuple(d2 / (k.g.l_2 + k.g.l_3) ** 2 for d2 in self._squares(at.rho))
+        return PassiveLoops(tuple(self._radicands(k, at.rho)), lengths)
 
     def points(self, k: KernelWriter, at: SimpleNamespace, s: sp.Matrix) -> dict[str, sp.Matrix]:
         axes = (k.g.e_x, k.g.e_1, k.g.e_t)

@@ -727,6 +727,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_passive_joints(
 {
     int status = KRHPR_OK;
     double radicand[3];
+    double regularity[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
@@ -742,7 +743,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_passive_joints(
         double redundant_link[9];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
         krhpr_subleg_tripteron_passive(
-            &g->subleg[i], rho, link, &radicand[i], tail_y + 6 * i, tail_x + 6 * i);
+            &g->subleg[i], rho, link, &radicand[i], &regularity[i], tail_y + 6 * i, tail_x + 6 * i);
         krhpr_platform_spatial_b_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
@@ -758,6 +759,12 @@ KRHPR_API int krhpr_spatial_tripteron_b_passive_joints(
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(passive + 6 * i, 6);
+            krhpr_fill_nan(spherical + 9 * i, 9);
+            krhpr_fill_nan(platform_joint + 1 * i, 1);
+        }
+        if (!(regularity[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(passive + 6 * i, 6);
             krhpr_fill_nan(spherical + 9 * i, 9);
             krhpr_fill_nan(platform_joint + 1 * i, 1);
@@ -791,6 +798,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_link_points(
 {
     int status = KRHPR_OK;
     double radicand[3];
+    double regularity[3];
     if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
         krhpr_fill_nan(points, 72);
         krhpr_fill_nan(attachment, 9);
@@ -799,12 +807,18 @@ KRHPR_API int krhpr_spatial_tripteron_b_link_points(
     for (int i = 0; i < 3; ++i) {
         double rho[3];
         krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points(&g->subleg[i], rho, s + 3 * i, points + 24 * i, &radicand[i]);
+        krhpr_subleg_tripteron_points(
+            &g->subleg[i], rho, s + 3 * i, points + 24 * i, &radicand[i], &regularity[i]);
         krhpr_platform_spatial_b_attachment(&g->platform[i], Q, s + 3 * i, attachment + 3 * i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(points + 24 * i, 24);
+            krhpr_fill_nan(attachment + 3 * i, 3);
+        }
+        if (!(regularity[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
             krhpr_fill_nan(points + 24 * i, 24);
             krhpr_fill_nan(attachment + 3 * i, 3);
         }

@@ -23,11 +23,11 @@ typedef struct {
     double e_x[3]; /* e_1 x e_t */
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction */
-    double k[14]; /* sub-expressions of the geometry alone, computed once */
+    double k[15]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_tripteron_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 24 multiply, 1 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 24 multiply, 2 divide, 2 sine
  * cosine, 1 select) */
 static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g)
 {
@@ -40,6 +40,7 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     const double t6 = e_t_1 * t2 + e_r_1 * t3;
     const double t7 = g->l_2 - g->l_3;
     const double t8 = g->l_2 + g->l_3;
+    const double k_1 = t8 * t8;
     const double k_4 = g->l_2 * g->l_2;
     const double k_5 = g->l_3 * g->l_3;
     g->c[0] = g->R_b * e_t_1 - g->l_1 * t2;
@@ -55,19 +56,20 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
     g->e_t[1] = e_t_1;
     g->e_t[2] = 0.0;
     g->k[0] = t7 * t7;
-    g->k[1] = t8 * t8;
+    g->k[1] = k_1;
     g->k[2] = fabs(t7);
     g->k[3] = 1.0 / (k_4 * k_5);
     g->k[4] = k_4;
     g->k[5] = k_5;
-    g->k[6] = -t2 * 0.5;
-    g->k[7] = -e_r_1 * 0.5;
-    g->k[8] = -t3 * 0.5;
-    g->k[9] = e_t_1 * 0.5;
-    g->k[10] = e_1_2 * 0.5;
-    g->k[11] = -t4 * 0.5;
-    g->k[12] = -t5 * 0.5;
-    g->k[13] = -t6 * 0.5;
+    g->k[6] = 1.0 / k_1;
+    g->k[7] = -t2 * 0.5;
+    g->k[8] = -e_r_1 * 0.5;
+    g->k[9] = -t3 * 0.5;
+    g->k[10] = e_t_1 * 0.5;
+    g->k[11] = e_1_2 * 0.5;
+    g->k[12] = -t4 * 0.5;
+    g->k[13] = -t5 * 0.5;
+    g->k[14] = -t6 * 0.5;
 }
 
 /* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14 multiply, 2
@@ -275,11 +277,12 @@ static inline void krhpr_subleg_tripteron_determinant(
     factors[2] = g->k[3] * (0.25 * (t1 + t3 - g->k[0]) * (t4 - t1));
 }
 
-/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 21 multiply, 3
- * square root, 2 select) */
+/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
+ * square root, 4 select) */
 static inline void krhpr_subleg_tripteron_passive(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT link,
-    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT regularity, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
     const double t1 = rho[1] * rho[1];
     const double t2 = rho[2] * rho[2];
@@ -319,6 +322,7 @@ static inline void krhpr_subleg_tripteron_passive(
     link[7] = g->e_1[2];
     link[8] = 0.0;
     *radicand = krhpr_min(krhpr_min(t3 * (g->k[1] - t1 - t2), t5 * (t7 - t2)), t6 * (t7 - t1));
+    *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6], d2_2 * g->k[6]), d2_3 * g->k[6]);
     tail_y[0] = m_1;
     tail_y[1] = S_1;
     tail_y[2] = m_2;
@@ -333,11 +337,11 @@ static inline void krhpr_subleg_tripteron_passive(
     tail_x[5] = C_3;
 }
 
-/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 61 multiply, 3 divide, 3 square root,
- * 2 select) */
+/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3 square root,
+ * 4 select) */
 static inline void krhpr_subleg_tripteron_points(
     const krhpr_subleg_tripteron_geometry *g, const double rho[3], const double s[3],
-    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT radicand)
+    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT regularity)
 {
     const double slider_1_0 = g->c[0] + g->e_x[0] * rho[0];
     const double slider_1_1 = g->c[1] + g->e_x[1] * rho[0];
@@ -382,25 +386,26 @@ static inline void krhpr_subleg_tripteron_points(
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = slider_1_0 + n_1 * g->k[6] * t7 + t7 * (m_1 * g->k[7]);
-    points[7] = slider_1_1 + t7 * (n_1 * g->k[8]) + t7 * (m_1 * g->k[9]);
-    points[8] = slider_1_2 + t7 * (n_1 * g->k[10]);
+    points[6] = slider_1_0 + n_1 * g->k[7] * t7 + t7 * (m_1 * g->k[8]);
+    points[7] = slider_1_1 + t7 * (n_1 * g->k[9]) + t7 * (m_1 * g->k[10]);
+    points[8] = slider_1_2 + t7 * (n_1 * g->k[11]);
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = slider_2_0 + n_2 * g->k[7] * t8 + t8 * (m_2 * g->k[11]);
-    points[13] = slider_2_1 + t8 * (n_2 * g->k[9]) + t8 * (m_2 * g->k[12]);
-    points[14] = slider_2_2 + t8 * (m_2 * g->k[13]);
+    points[12] = slider_2_0 + n_2 * g->k[8] * t8 + t8 * (m_2 * g->k[12]);
+    points[13] = slider_2_1 + t8 * (n_2 * g->k[10]) + t8 * (m_2 * g->k[13]);
+    points[14] = slider_2_2 + t8 * (m_2 * g->k[14]);
     points[15] = slider_3_0;
     points[16] = slider_3_1;
     points[17] = g->c[2];
-    points[18] = slider_3_0 + m_3 * g->k[6] * t9 + t9 * (n_3 * g->k[11]);
-    points[19] = slider_3_1 + t9 * (m_3 * g->k[8]) + t9 * (n_3 * g->k[12]);
-    points[20] = g->c[2] + t9 * (m_3 * g->k[10]) + t9 * (n_3 * g->k[13]);
+    points[18] = slider_3_0 + m_3 * g->k[7] * t9 + t9 * (n_3 * g->k[12]);
+    points[19] = slider_3_1 + t9 * (m_3 * g->k[9]) + t9 * (n_3 * g->k[13]);
+    points[20] = g->c[2] + t9 * (m_3 * g->k[11]) + t9 * (n_3 * g->k[14]);
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];
     *radicand = radicand_a;
+    *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6], d2_2 * g->k[6]), d2_3 * g->k[6]);
 }
 
 #endif

@@ -471,7 +471,7 @@ def passive_joints(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         rho_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        passive_i, link_i, _radicand = subleg.passive(subleg.prepare(fields), rho_i)
+        passive_i, link_i, _radicand, _regularity = subleg.passive(subleg.prepare(fields), rho_i)
         redundant_link_i, platform_joint_i = platform.joint(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
         spherical_i = algebra.wrist(link_i, redundant_link_i)
@@ -503,7 +503,7 @@ def link_points(geometry: Any) -> Any:
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         rho_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
-        points_i, _radicand = subleg.points(subleg.prepare(fields), rho_i, call.leg("s", i))
+        points_i, _radicand, _regularity = subleg.points(subleg.prepare(fields), rho_i, call.leg("s", i))
         attachment_i = platform.attachment(platform.prepare(fields), call.leg("p", i), call.leg("Q", i))
         points += points_i
         attachment += attachment_i

@@ -1148,7 +1148,7 @@ def passive_joints(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        passive, link, radicand = subleg.passive(g.subleg, rho)
+        passive, link, radicand, regularity = subleg.passive(g.subleg, rho)
         redundant_link, platform_joint = platform.joint(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         spherical = algebra.wrist(link, redundant_link)
@@ -1160,6 +1160,7 @@ def passive_joints(
             },
             (
                 rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("passive", "spherical", "platform_joint", )),
+                rt.Guard(regularity[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("passive", "spherical", "platform_joint", )),
             ),
         )
     answer = PassiveJoints(*results[:-1])
@@ -1189,7 +1190,7 @@ def link_points(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
-        points, radicand = subleg.points(g.subleg, rho, arguments.leg("s"))
+        points, radicand, regularity = subleg.points(g.subleg, rho, arguments.leg("s"))
         attachment = platform.attachment(g.platform, arguments.leg("s"))
         results = arguments.finish(
             {
@@ -1198,6 +1199,7 @@ def link_points(
             },
             (
                 rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("points", "attachment", )),
+                rt.Guard(regularity[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("points", "attachment", )),
             ),
         )
     answer = LinkPoints(*results[:-1])

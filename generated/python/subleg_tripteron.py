@@ -36,6 +36,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     t6 = e_t_1 * t2 + e_r_1 * t3
     t7 = l_2 - l_3
     t8 = l_2 + l_3
+    k_1 = t8 * t8
     k_4 = l_2 * l_2
     k_5 = l_3 * l_3
     return SimpleNamespace(
@@ -49,7 +50,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-t4, -t5, -t6,),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(t7 * t7, t8 * t8, np.abs(t7), 1 / (k_4 * k_5), k_4, k_5, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
+        k=(t7 * t7, k_1, np.abs(t7), 1 / (k_4 * k_5), k_4, k_5, 1 / k_1, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
     )
 
 
@@ -288,8 +289,8 @@ def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, rho: Any) -> tuple[Any, ...]:
-    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 21
-    multiply, 3 square root, 6 arctangent, 2 select)"""
+    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24
+    multiply, 3 square root, 6 arctangent, 4 select)"""
     rho_0, rho_1, rho_2 = rho
     t1 = rho_1 * rho_1
     t2 = rho_2 * rho_2
@@ -342,12 +343,15 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
         (  # radicand
             np.fmin(np.fmin(t3 * (g.k[1] - t1 - t2), t5 * (t7 - t2)), t6 * (t7 - t1)),
         ),
+        (  # regularity
+            np.fmin(np.fmin(d2_1 * g.k[6], d2_2 * g.k[6]), d2_3 * g.k[6]),
+        ),
     )
 
 
 def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 61 multiply, 3 divide, 3
-    square root, 2 select)"""
+    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3
+    square root, 4 select)"""
     rho_0, rho_1, rho_2 = rho
     s_0, s_1, s_2 = s
     slider_1_0 = g.c[0] + g.e_x[0] * rho_0
@@ -394,26 +398,29 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
             slider_1_0,
             slider_1_1,
             slider_1_2,
-            slider_1_0 + n_1 * g.k[6] * t7 + t7 * (m_1 * g.k[7]),
-            slider_1_1 + t7 * (n_1 * g.k[8]) + t7 * (m_1 * g.k[9]),
-            slider_1_2 + t7 * (n_1 * g.k[10]),
+            slider_1_0 + n_1 * g.k[7] * t7 + t7 * (m_1 * g.k[8]),
+            slider_1_1 + t7 * (n_1 * g.k[9]) + t7 * (m_1 * g.k[10]),
+            slider_1_2 + t7 * (n_1 * g.k[11]),
             slider_2_0,
             slider_2_1,
             slider_2_2,
-            slider_2_0 + n_2 * g.k[7] * t8 + t8 * (m_2 * g.k[11]),
-            slider_2_1 + t8 * (n_2 * g.k[9]) + t8 * (m_2 * g.k[12]),
-            slider_2_2 + t8 * (m_2 * g.k[13]),
+            slider_2_0 + n_2 * g.k[8] * t8 + t8 * (m_2 * g.k[12]),
+            slider_2_1 + t8 * (n_2 * g.k[10]) + t8 * (m_2 * g.k[13]),
+            slider_2_2 + t8 * (m_2 * g.k[14]),
             slider_3_0,
             slider_3_1,
             g.c[2],
-            slider_3_0 + m_3 * g.k[6] * t9 + t9 * (n_3 * g.k[11]),
-            slider_3_1 + t9 * (m_3 * g.k[8]) + t9 * (n_3 * g.k[12]),
-            g.c[2] + t9 * (m_3 * g.k[10]) + t9 * (n_3 * g.k[13]),
+            slider_3_0 + m_3 * g.k[7] * t9 + t9 * (n_3 * g.k[12]),
+            slider_3_1 + t9 * (m_3 * g.k[9]) + t9 * (n_3 * g.k[13]),
+            g.c[2] + t9 * (m_3 * g.k[11]) + t9 * (n_3 * g.k[14]),
             s_0,
             s_1,
             s_2,
         ),
         (  # radicand
             np.fmin(np.fmin(t3 * (g.k[1] - t1 - t2), t5 * (t10 - t2)), t6 * (t10 - t1)),
+        ),
+        (  # regularity
+            np.fmin(np.fmin(d2_1 * g.k[6], d2_2 * g.k[6]), d2_3 * g.k[6]),
         ),
     )

@@ -105,9 +105,25 @@ class Jet:
         rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
         return Jet(y.c[0].arctan2(x.c[0]), rate.c[0], HALF * rate.c[1])
 
+    def minimum(self, other: Any) -> Jet:
+        """The series with the smaller value; the values must differ, for there is a kink where they meet."""
+        other = _jet(other)
+        return self if _less(self, other) else other
+
+    def maximum(self, other: Any) -> Jet:
+        """The series with the larger value; the values must differ."""
+        other = _jet(other)
+        return other if _less(self, other) else self
+
     def derivative(self) -> Jet:
         """The rate as a series of its own, one order shorter."""
         return Jet(self.c[1], 2 * self.c[2])
+
+
+def _less(a: Jet, b: Jet) -> bool:
+    if a.value == b.value:
+        raise ValueError(f"{a!r} and {b!r} meet: there is a kink")
+    return bool(a.value < b.value)
 
 
 def _jet(value: Any) -> Jet:

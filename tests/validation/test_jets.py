@@ -71,6 +71,15 @@ def test_roots(a: Jet) -> None:
         (square * 2).sqrt()
 
 
+def test_the_smaller_and_the_larger_keep_their_rates() -> None:
+    low, high = Jet(Exact(1), Exact(5), Exact(7)), Jet(Exact(2), Exact(-3), Exact(0))
+    assert low.minimum(high) is low and high.minimum(low) is low
+    assert low.maximum(high) is high and high.maximum(low) is high
+    assert low.maximum(3).c == (3, 0, 0)
+    with pytest.raises(ValueError, match="kink"):
+        low.minimum(Exact(1))
+
+
 def test_balls_may_stand_in() -> None:
     with ball_precision():
         root = Jet(Ball(2), Ball(1), Ball(0)).sqrt()
