@@ -141,20 +141,23 @@ _OWN_SLIDES = {"spatial_upu3_b": 0.05}
 def catalogue() -> tuple[Entry, ...]:
     """Every robot: sub-leg by sub-leg, each in the arrangements of its space."""
     return tuple(
-        _entry(subleg, platform, {**sizes, **places})
+        entry(subleg, platform, {**sizes, **places})
         for subleg, sizes in SUBLEGS
         for platform, places in PLATFORMS
         if subleg.space is platform.space
     )
 
 
-def _entry(subleg: SubLeg, platform: Platform, sizes: Sizes) -> Entry:
+def entry(subleg: SubLeg, platform: Platform, sizes: Sizes, home: Home | None = None) -> Entry:
+    """A sub-leg on an arrangement, with the home pose that robots usually have unless it is given."""
     robot = Robot(subleg, platform)
     title = f"{subleg.notation} sub-legs, arrangement ({platform.arrangement})"
     sections = f"{subleg.section}, {platform.section}".split(", ")
     thesis = ", ".join(dict.fromkeys(sections))
     title, thesis = _OWN_PLACE.get(robot.identifier, (title, thesis))
-    return Entry(robot, {name: _triple(value) for name, value in sizes.items()}, _home(robot), title, thesis)
+    return Entry(
+        robot, {name: _triple(value) for name, value in sizes.items()}, home or _home(robot), title, thesis
+    )
 
 
 def _home(robot: Robot) -> Home:

@@ -71,3 +71,7 @@ class InvalidInput(KrhprError, ValueError):
 
 class GeneratedMismatch(KrhprError, RuntimeError):
     """The generated folder was written by another version of this package."""
+
+
+class PluginError(KrhprError, ValueError):
+    """A sub-leg of one's own that cannot be used: which file, what is wrong, and what is expected."""

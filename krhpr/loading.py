@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -42,19 +43,26 @@ def load(robot: str | os.PathLike[str], *, backend: str | None = None) -> Robot:
     return Robot(_module(robot), backend=backend)
 
 
-def checked_file(path: Path) -> RobotFile:
-    """A robot file, checked against the robots that are generated, and closing at its home pose."""
-    return _checked(path)[0]
+def checked_file(path: Path, own: Mapping[str, ModuleType] | None = None) -> RobotFile:
+    """A robot file, checked against the robots that are generated, and closing at its home pose.
+
+    `own` are the NumPy modules of further robots by name, which the file may choose too.
+    """
+    return _checked(path, own or {})[0]
 
 
-def _checked(path: Path) -> tuple[RobotFile, ModuleType, Geometry]:
-    file = read_robot_file(path, catalogue(), lambda identifier: facts_of_module(_module(identifier)))
-    module = _module(file.identifier)
+def _checked(path: Path, own: Mapping[str, ModuleType]) -> tuple[RobotFile, ModuleType, Geometry]:
+    def module_of(identifier: str) -> ModuleType:
+        return own[identifier] if identifier in own else _module(identifier)
+
+    known = (*catalogue(), *own)
+    file = read_robot_file(path, known, lambda identifier: facts_of_module(module_of(identifier)))
+    module = module_of(file.identifier)
     return file, module, geometry_of(file, module)
 
 
 def _load_file(path: Path, backend: str | None) -> Robot:
-    file, module, geometry = _checked(path)
+    file, module, geometry = _checked(path, {})
     home = None if file.home is None else (file.home.p, file.home.redundant)
     return Robot(module, geometry, backend, name=file.name, limits=file.limits, home=home)
 

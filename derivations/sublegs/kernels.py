@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 REGULARITY_DOC = "smallest absolute factor of the determinant"
 
+SMALLEST = sp.Rational(1, 10**12)
+"""Metres or radians below which unknowns of Newton steps count as zero."""
+
 
 class SubLegKernels:
     """Writes the kernels of one sub-leg."""
@@ -351,7 +354,8 @@ class SubLegKernels:
         k.add_output(
             replace(unknown, name=f"{unknown.name}_next", doc=f"{unknown.doc}, one step on"), start + step
         )
-        size = k.let("size", dot(start, start), "squared length of the unknowns")
+        # not below a picometre, or all unknowns being zero would never count as found
+        size = k.let("size", k.maximum(dot(start, start), SMALLEST**2), "squared length of the unknowns")
         k.output("change", dot(step, step) / size, doc="squared length of the step over that of the unknowns")
         return k.kernel()
 

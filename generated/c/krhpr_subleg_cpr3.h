@@ -151,7 +151,7 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
 }
 
 /* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
- * multiply, 2 divide) */
+ * multiply, 2 divide, 1 select) */
 static inline void krhpr_subleg_cpr3_forward_step(
     const krhpr_subleg_cpr3_geometry *g, const double theta[3], const double s[3],
     double *KRHPR_RESTRICT s_next, double *KRHPR_RESTRICT change)
@@ -226,7 +226,7 @@ static inline void krhpr_subleg_cpr3_forward_step(
     const double t38 = t35 * t37;
     const double t39 = residual_0 * t34 + residual_1 * (df_20 * df_01 - df_00 * df_21) + residual_2 * (df_00 * df_11 - df_10 * df_01);
     const double t40 = t35 * t39;
-    const double size = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]; /* squared length of the unknowns */
+    const double size = krhpr_max(s[0] * s[0] + s[1] * s[1] + s[2] * s[2], (1.0 / 1000000000000000000000000.0)); /* squared length of the unknowns */
     s_next[0] = s[0] - t36;
     s_next[1] = s[1] - t38;
     s_next[2] = s[2] - t40;

@@ -12,10 +12,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
-from types import FrameType
+from types import FrameType, ModuleType
 from typing import TYPE_CHECKING, NoReturn
 
 from krhpr.cli.common import Column, Command, Exit, Step, WrongUse, print_table, progress
+from krhpr.cli.plugin_option import add_plugin_option, plugin_entries, printed
 from krhpr.errors import UnknownRobot
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ examples:
   krhpr generate spatial_rrr_a --out arm  a Python package, and C with CMake
   krhpr generate arm.yaml --out arm       the same for a robot file, under its name
   krhpr generate arm.yaml --out arm --bake
+  krhpr generate --plugin my_leg.py --out legs   robots with a sub-leg of your own
 
 Files are moved into place when all of them are ready; an interrupted run leaves
 the old ones whole."""
@@ -56,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="with --out: make lengths and angles constants of the code, and no argument of its functions",
     )
+    add_plugin_option(parser)
     parser.add_argument(
         "--anew", action="store_true", help="derive again even where nothing changed since the last run"
     )
@@ -68,8 +71,11 @@ def run(options: argparse.Namespace) -> int:
     """Generate, or compare."""
     if options.bake and options.out is None:
         raise WrongUse("--bake makes the sizes of a folder's robots constants: add --out DIR")
+    if options.plugin and options.out is None:
+        raise WrongUse("generated/ holds the catalogue alone: add --out DIR for a sub-leg of your own")
+    own = plugin_entries(options.plugin)
     if options.robots and options.out is None:
-        _entries(options.robots)  # a wrong name is told first
+        _entries(options.robots, own)  # a wrong name is told first
         raise WrongUse(
             "robots share files, so generated/ is written for all of them at once: leave the names out, or "
             "add --out DIR to gather what these robots need into a folder of its own"
@@ -78,21 +84,31 @@ def run(options: argparse.Namespace) -> int:
     if not options.check:
         _refuse_read_only(folder, options.out is None)
     if options.check or options.out is not None:
-        return _check_or_gather(options, folder)
+        return _check_or_gather(options, folder, own)
     return _generate_all(folder, anew=options.anew, compiles=not options.no_compile)
 
 
-def _check_or_gather(options: argparse.Namespace, folder: Path) -> int:
+def _check_or_gather(options: argparse.Namespace, folder: Path, own: Sequence[Entry]) -> int:
     """Write nothing, or a folder that stands alone."""
     begin = perf_counter()
-    entries, customs = _orders(options.robots, bake=options.bake)
-    with progress(_steps(entries)) as step:
+    names = options.robots or [entry.identifier for entry in own if options.plugin]
+    entries, customs = _orders(names, own, bake=options.bake)
+    theirs = [entry for entry in entries if entry in own]
+    with progress(_steps(entries) + len({entry.robot.subleg.name for entry in theirs})) as step:
+        _prove(theirs, step)
         derived, files = _derive_and_print(entries, customs, options.out, step)
     if options.check:
         return _report_check(files, folder, standalone=options.out is not None)
     changes = _write(files, folder, standalone=True)
     _print_table(_rows(derived, files))
     print(f"\n{len(files)} files in {folder}, {_changed(changes)}; {perf_counter() - begin:.1f} s")
+    for name in dict.fromkeys(
+        entry.robot.subleg.name for entry in theirs if not entry.robot.subleg.has_inverse
+    ):
+        print(
+            f"{name} states no `inverse`: that of its robots is a bounded Newton iteration from `theta_near`, with "
+            "a status"
+        )
     if not folder.name.isidentifier():
         print(f"Python can import the folder as a package under a name like {_identifier(folder.name)} only.")
     return Exit.OK
@@ -106,7 +122,7 @@ def _generate_all(folder: Path, *, anew: bool, compiles: bool) -> int:
     rows = None if anew else stamp.recall(folder)
     done = "nothing changed since it was generated"
     if rows is None:
-        entries = _entries(())
+        entries = _entries((), ())
         inputs = stamp.inputs_digest(folder)
         with progress(_steps(entries)) as step:
             derived, files = _derive_and_print(entries, (), None, step)
@@ -131,12 +147,28 @@ def generated_folder() -> Path:
     return Path(next(iter(krhpr.derivations.__path__))).absolute().with_name("generated")
 
 
-def _entries(names: Sequence[str]) -> list[Entry]:
-    """The robots of the catalogue with these names (all of them where there are none); robot files apart."""
+def _prove(entries: Sequence[Entry], step: Step) -> None:
+    """Hold sub-legs of one's own to their closure, before code is made of them."""
+    if not entries:
+        return
+    try:
+        from krhpr.plugins import prove
+    except ModuleNotFoundError as error:
+        raise WrongUse(
+            f"a sub-leg of your own is proven before code is made of it, which needs {error.name}: "
+            "pip install 'krhpr[generate,validate]'"
+        ) from error
+    prove(entries, step)
+
+
+def _entries(names: Sequence[str], own: Sequence[Entry]) -> list[Entry]:
+    """The robots with these names, of the catalogue or one's own (without names all of the catalogue); robot
+    files apart.
+    """
     from krhpr.derivations.catalogue import catalogue
     from krhpr.robot_files import is_robot_file
 
-    known = {entry.identifier: entry for entry in catalogue()}
+    known = {entry.identifier: entry for entry in (*catalogue(), *(own if names else ()))}
     for name in names:
         if name not in known and not is_robot_file(name):
             raise UnknownRobot.among(name, list(known))
@@ -149,20 +181,23 @@ def _steps(entries: Sequence[Entry]) -> int:
     return len(entries) + len(TARGETS) + 1
 
 
-def _orders(names: Sequence[str], *, bake: bool) -> tuple[list[Entry], list[Custom | None]]:
-    """The robots of the catalogue to derive, and what their robot files (or --bake) change in them."""
+def _orders(
+    names: Sequence[str], own: Sequence[Entry], *, bake: bool
+) -> tuple[list[Entry], list[Custom | None]]:
+    """The robots to derive, and what their robot files (or --bake) change in them."""
     from krhpr.robot_files import is_robot_file
 
-    known = {entry.identifier: entry for entry in _entries(names)}
+    known = {entry.identifier: entry for entry in _entries(names, own)}
     if not names:
         return list(known.values()), [_baked(entry) if bake else None for entry in known.values()]
     entries: list[Entry] = []
     customs: list[Custom | None] = []
     seen: dict[str, str] = {}
-    everything = {entry.identifier: entry for entry in _entries(())} if len(known) < len(names) else known
+    everything = {entry.identifier: entry for entry in (*_entries((), ()), *own)}
+    modules = _modules(own) if any(map(is_robot_file, names)) else {}
     for name in names:
         if is_robot_file(name):
-            entry, custom = _custom(Path(name), everything, bake=bake)
+            entry, custom = _custom(Path(name), everything, modules, bake=bake)
         else:
             entry, custom = known[name], _baked(known[name]) if bake else None
         called = custom.name if custom else entry.identifier
@@ -174,12 +209,22 @@ def _orders(names: Sequence[str], *, bake: bool) -> tuple[list[Entry], list[Cust
     return entries, customs
 
 
-def _custom(path: Path, known: Mapping[str, Entry], *, bake: bool) -> tuple[Entry, Custom | None]:
-    """The robot of the catalogue that a file chooses, and what it changes in it."""
+def _modules(own: Sequence[Entry]) -> dict[str, ModuleType]:
+    """The NumPy modules of robots of one's own, which robot files are checked with."""
+    if not own:
+        return {}
+    with printed(own, None) as found:
+        return {identifier: found.module(identifier) for identifier in found.identifiers}
+
+
+def _custom(
+    path: Path, known: Mapping[str, Entry], modules: Mapping[str, ModuleType], *, bake: bool
+) -> tuple[Entry, Custom | None]:
+    """The robot that a file chooses, and what it changes in it."""
     from krhpr.codegen.pipeline import Custom
     from krhpr.loading import checked_file
 
-    file = checked_file(path)
+    file = checked_file(path, modules)
     home = None if file.home is None else (file.home.p, file.home.redundant)
     return known[file.identifier], Custom(file.name, file.sizes, file.limits, bake, home)
 

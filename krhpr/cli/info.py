@@ -7,13 +7,21 @@ import json
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import krhpr
 from krhpr.cli.common import Command, Exit, WrongUse
+from krhpr.cli.plugin_option import (
+    add_plugin_option,
+    known_robots,
+    plugin_entries,
+    printed,
+    refuse_unknown,
+)
 from krhpr.errors import nearest
+from krhpr.robot_files.reader import is_robot_file
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Port, Signature
@@ -33,12 +41,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mode", metavar="LABEL", help="with --picture: the working mode, default unless given"
     )
+    add_plugin_option(parser)
     parser.add_argument("--json", action="store_true", help="print an object")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print what a robot, or one of its functions, is."""
-    robot = krhpr.load(options.robot, backend="numpy")
+    robot = find_robot(options.robot, options.plugin)
     if options.picture is not None:
         return _draw(robot, Path(options.picture), options.mode)
     if options.function is None:
@@ -50,6 +59,17 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(_function_text(robot, signature, options.robot))
     return Exit.OK
+
+
+def find_robot(name: str, plugins: Sequence[Path]) -> Robot:
+    """A robot of the catalogue or of a file, or one with a sub-leg of one's own, on NumPy."""
+    own = plugin_entries(plugins)
+    if name in known_robots(own)[len(krhpr.catalogue()) :]:
+        with printed(own, [name]) as found:
+            return found.robot(name)
+    if own and not is_robot_file(name):
+        refuse_unknown([name], known_robots(own))
+    return krhpr.load(name, backend="numpy")
 
 
 def _draw(robot: Robot, path: Path, mode: str | None) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import krhpr
 from krhpr.cli.common import Column, Command, Exit, WrongUse, print_table
+from krhpr.cli.plugin_option import add_plugin_option, known_robots, plugin_entries, printed
 from krhpr.errors import nearest
 from krhpr.robot_files.facts import choice
 
@@ -33,13 +34,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--space", metavar="SPACE", help="spatial or planar robots alone")
     parser.add_argument("--sub-leg", metavar="NAME", help="robots with this sub-leg alone, such as rrr")
     parser.add_argument("--arrangement", metavar="LETTER", help="robots of arrangement a, b or c alone")
+    add_plugin_option(parser)
     parser.add_argument("--json", action="store_true", help="print a list of objects, with more about each")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print a row for each robot."""
     wanted = (options.space, options.sub_leg, options.arrangement)
-    robots = [krhpr.load(identifier, backend="numpy") for identifier in chosen(krhpr.catalogue(), wanted)]
+    own = plugin_entries(options.plugin)
+    identifiers = chosen(known_robots(own), wanted)
+    robots = [krhpr.load(name, backend="numpy") for name in identifiers if name in krhpr.catalogue()]
+    if own:
+        with printed(own, identifiers) as found:
+            robots += [found.robot(name) for name in found.identifiers]
     if options.json:
         print(json.dumps([facts(robot) for robot in robots], indent=1))
     else:

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import krhpr
 from krhpr.cli.common import Column, Command, Exit, print_table, progress
-from krhpr.errors import UnknownRobot
+from krhpr.cli.plugin_option import (
+    add_plugin_option,
+    known_robots,
+    plugin_entries,
+    printed,
+    refuse_unknown,
+)
 
 if TYPE_CHECKING:
-    from krhpr.validation.run import Result
+    from krhpr.derivations.catalogue import Entry
+    from krhpr.validation.run import Report, Result
 
 FOLDER = Path("build/validation")
 _SHOWN = 20  # failures
@@ -21,6 +28,7 @@ EPILOG = """\
 examples:
   krhpr validate
   krhpr validate spatial_rrr_a --full
+  krhpr validate --plugin my_leg.py
 
 Exit code 3 where a check fails. Every check, its worst error and its tolerance
 stand in report.md and report.json."""
@@ -30,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
     parser.add_argument("robots", metavar="ROBOT", nargs="*", help="robots to validate (default: all)")
     parser.add_argument("--full", action="store_true", help="the large samples of `make test-full`")
+    add_plugin_option(parser)
     parser.add_argument(
         "--report", metavar="DIR", type=Path, default=FOLDER, help=f"folder of the report (default: {FOLDER})"
     )
@@ -37,15 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the checks and print what came of them."""
-    known = krhpr.catalogue()
-    for name in options.robots:
-        if name not in known:
-            raise UnknownRobot.among(name, known)
-    from krhpr.validation.run import run as validate
-
-    identifiers = [identifier for identifier in known if not options.robots or identifier in options.robots]
-    with progress(None) as step:
-        report = validate(identifiers, "large" if options.full else "small", step, folder=options.report)
+    own = plugin_entries(options.plugin)
+    known = known_robots(own)
+    refuse_unknown(options.robots, known)
+    names = options.robots or [entry.identifier for entry in own if options.plugin]
+    identifiers = [identifier for identifier in known if not names or identifier in names]
+    report = _validate(identifiers, own, options)
     _print_results(identifiers, report.results)
     for result in report.failed[:_SHOWN]:
         print(f"failed: {result}")
@@ -56,6 +62,27 @@ def run(options: argparse.Namespace) -> int:
         print(f"not run: {count} check{'s' if count > 1 else ''}: {reason}")
     print(f"{report.summary()}; {options.report / 'report.md'}")
     return Exit.OK if report.ok else Exit.DIFFERENCE
+
+
+def _validate(identifiers: Sequence[str], own: Sequence[Entry], options: argparse.Namespace) -> Report:
+    """Robots of the catalogue, then one's own, whose code is printed for that."""
+    from krhpr.validation.run import Report
+    from krhpr.validation.run import run as validate
+
+    size = "large" if options.full else "small"
+    theirs = [entry for entry in own if entry.identifier in identifiers]
+    rest = [name for name in identifiers if name in krhpr.catalogue()]
+    results: tuple[Result, ...] = ()
+    with progress(None) as step:
+        if rest:
+            results = validate(rest, size, step, folder=None).results
+        if theirs:
+            with printed(theirs, None, step) as found:
+                more = validate(None, size, step, generated=found.folder, among=theirs, folder=None)
+            results = (*results, *more.results)
+    report = Report(size, results)
+    report.write(options.report)
+    return report
 
 
 def _print_results(identifiers: Iterable[str], results: Iterable[Result]) -> None:

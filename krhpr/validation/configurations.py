@@ -22,6 +22,9 @@ from krhpr.validation.numbers import Angle, Ball, Exact, same
 from krhpr.validation.sampling import draw
 from krhpr.validation.subject import Subject
 
+DOUBLINGS = 4
+"""Newton steps, each of which doubles the digits, from those of doubles to those of balls."""
+
 Leg = tuple[dict[str, Any], list[Any]]
 """Geometry fields and joints of one leg."""
 
@@ -104,7 +107,7 @@ def _in_balls(subject: Subject, source: Draw) -> Configuration:
     geometry = {name: [Ball(x) for x in numbers] for name, numbers in batch.geometry.items()}
     values: dict[str, list[Any]] = {
         name: [Ball(x) for x in batch.values[name][0].ravel().tolist()]
-        for name in (*batch.pose, "redundant", "mode", "swivel", "s_near")
+        for name in (*batch.pose, "redundant", "mode", "swivel", "s_near", "theta_near")
     }
     if subject.planar:
         phi = values["phi"][0]
@@ -113,8 +116,22 @@ def _in_balls(subject: Subject, source: Draw) -> Configuration:
         values["Q"] = [Ball(x) for x in rational_rotation(batch.values["Q"][0])]
     here = Configuration(subject, BALLS, geometry, values)
     values["s"] = here.call("end_points")["s"]
-    values["theta"] = here.call("inverse")["theta"]
+    if subject.subleg.has_inverse:
+        values["theta"] = here.call("inverse")["theta"]
+    else:
+        near = batch.values["theta"][0]
+        values["theta"] = [x for leg in range(LEGS) for x in _refined(here, leg, near[leg].tolist())]
     return _with_assembly(here)
+
+
+def _refined(here: Configuration, leg: int, theta: list[float]) -> list[Any]:
+    """Joints in doubles made good to all digits by Newton steps, between which what is known of their error
+    is dropped: balls around them would grow.
+    """
+    exact = [Ball(x) for x in theta]
+    for _ in range(DOUBLINGS):
+        exact = [x.centre() for x in here.kernel("subleg", "inverse_step", leg, theta=exact)["theta_next"]]
+    return exact
 
 
 def rational_rotation(Q: Any) -> list[Any]:

@@ -78,7 +78,11 @@ _ROOTS = frozenset({Op.SQRT, Op.ATAN2})
 
 
 def has_roots(kernel: Kernel) -> bool:
-    """Whether a kernel leaves the rational numbers (sines and cosines of rational angles do not)."""
+    """Whether a kernel leaves the rational numbers: sines and cosines of rational angles do not; angles that a
+    Newton step moves by a number do.
+    """
+    if any(port.name == "theta_next" for port in kernel.outputs):
+        return True
     needed = kernel.graph.needed(kernel.result_nodes)
     return any(node.op in _ROOTS for index, node in kernel.graph if needed[index])
 

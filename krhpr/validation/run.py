@@ -16,6 +16,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from krhpr.derivations.catalogue import Entry
 from krhpr.native import NoCompiler
 from krhpr.validation import agreement, differences, exact, invariants, proofs, reference
 from krhpr.validation.check import Check, Kind
@@ -23,7 +24,8 @@ from krhpr.validation.numbers import ball_precision
 from krhpr.validation.outcome import Runner, State
 from krhpr.validation.plan import plan
 from krhpr.validation.reference import NoReference
-from krhpr.validation.subject import GENERATED, Subject, subjects
+from krhpr.printed_package import GENERATED
+from krhpr.validation.subject import Subject, subjects
 
 Progress = Callable[[str], None]
 
@@ -188,17 +190,19 @@ def run(
     *,
     kinds: Collection[Kind] | None = None,
     generated: Path = GENERATED,
+    among: Iterable[Entry] | None = None,
     folder: Path | None = Path("build/validation"),
 ) -> Report:
     """Carry out the plan for robots of the catalogue (all unless named) and write the report to `folder`.
 
+    `among` are other robots, whose code is in the folder `generated`.
     `samples` is `small` or `large`.  `progress` is told what begins.
     """
     if samples not in ("small", "large"):
         raise ValueError(f"samples are 'small' or 'large', not {samples!r}")
     shared: dict[tuple[str, ...], Result] = {}
     results = []
-    for subject in subjects(robots, generated):
+    for subject in subjects(robots, generated, among):
         before = None
         for check in plan(subject.code):
             if kinds is not None and check.kind not in kinds:

@@ -26,6 +26,9 @@ Values = dict[str, Floats]
 NEAR = 0.003
 """How far, in each coordinate, the points that choose an assembly mode are from end points, in metres."""
 
+STARTS = 8
+"""How many random joints Newton steps start from."""
+
 CONDITION = 0.1
 """Dimensionless factors of determinants (sines, mostly) are at least this in the configurations drawn."""
 
@@ -137,13 +140,14 @@ def _draw(
 
 
 def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Values:
-    """Poses about the middle of the workspace, redundant coordinates in the working box, and random rates."""
+    """Poses about the home position, redundant coordinates in the working box, and random rates."""
     values: Values = {}
+    middle = np.array(subject.entry.home.p)
     if subject.planar:
-        values["p"] = rng.uniform(-0.04, 0.04, (count, 2))
+        values["p"] = middle + rng.uniform(-0.04, 0.04, (count, 2))
         values["phi"] = rng.uniform(-0.3, 0.3, count)
     else:
-        values["p"] = np.array([0.0, 0.0, 0.35]) + rng.uniform(-0.06, 0.06, (count, 3))
+        values["p"] = middle + rng.uniform(-0.06, 0.06, (count, 3))
         axis = rng.normal(size=(count, 3))
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
         values["Q"] = rotations(axis * rng.uniform(0, radians(30), (count, 1)))
@@ -169,7 +173,15 @@ def redundant_box(subject: Subject, rng: np.random.Generator, count: int, wide: 
     if subject.platform.redundant_joint.kind == "revolute":
         low, high = (30.5, 149.5) if wide else (60.0, 130.0)
         return rng.uniform(radians(low), radians(high), (count, LEGS))
-    return rng.uniform(0.001 if wide else 0.08, 0.15, (count, LEGS))
+    return rng.uniform(_least_slide(subject) if wide else 0.08, 0.15, (count, LEGS))
+
+
+def _least_slide(subject: Subject) -> float:
+    """Beyond it det J_a has one sign: slides of planar (b) count from the foot of b_i on their line."""
+    sizes = subject.entry.sizes
+    if "b_x" not in sizes:
+        return 0.001
+    return 0.001 + float(np.hypot(sizes["b_x"], sizes["b_y"]).max())
 
 
 def _complete(
@@ -177,16 +189,15 @@ def _complete(
 ) -> Values:
     """What follows from pose and redundant coordinates, for those configurations that are fit for checks."""
     values = {**values, **evaluate(subject, "end_points", values, geometry)}
-    every = evaluate(subject, "subleg_inverse", values, geometry)["theta"]
+    every = _every_mode(subject, rng, values, geometry)
     count, modes = len(values["p"]), len(subject.code.mode_signs)
     fit = np.stack(
         [_conditioned(subject, {**values, "theta": every[:, :, mode]}, geometry) for mode in range(modes)], -1
     )
     values["fit"] = fit
     good = np.isfinite(every).all(axis=(1, 2, 3)) & fit.any(axis=-1).all(axis=-1)
-    good &= (_regularity(subject, {**values, "theta": every[:, :, 0]}, geometry) > (CONDITION / 5) ** 2).all(
-        axis=1
-    )
+    regularity = _regularity(subject, {**values, "theta": every[:, :, 0]}, geometry)
+    good &= (regularity > (CONDITION / 2) ** 2).all(axis=1)
     # each leg in any of the modes that are fit for checks
     chosen = np.argmax(rng.random((count, LEGS, modes)) * fit, axis=-1)
     rows, legs = np.arange(count)[:, None], np.arange(LEGS)[None, :]
@@ -197,8 +208,41 @@ def _complete(
         values["assembly"] = _assemblies(subject, values, geometry, assemblies)
     values["s_near"] = values["s"] + rng.uniform(-NEAR, NEAR, values["s"].shape)
     turns = rng.integers(-2, 3, values["theta"].shape) * np.array(subject.code.angular)
-    values["theta_near"] = values["theta"] + rng.uniform(-2.5, 2.5, values["theta"].shape) + 2 * np.pi * turns
+    spread = 2.5 if subject.subleg.has_inverse else NEAR  # where it is the start of Newton steps
+    near = rng.uniform(-spread, spread, values["theta"].shape)
+    values["theta_near"] = values["theta"] + near + 2 * np.pi * turns
     return {name: array[good] for name, array in values.items()}
+
+
+def _every_mode(
+    subject: Subject, rng: np.random.Generator, values: Values, geometry: Mapping[str, Any]
+) -> Floats:
+    """The joints in every working mode, (count, 3, modes, n); where there is no closed form, those to which
+    Newton steps from random joints lead, and NaN where none of some starts does.
+    """
+    if subject.subleg.has_inverse:
+        return evaluate(subject, "subleg_inverse", values, geometry)["theta"]
+    angular = np.array(subject.code.angular)
+    shape = (len(values["p"]), LEGS, subject.subleg.n)
+    found = np.full(shape, np.nan)
+    for _ in range(STARTS):
+        start = np.where(angular, rng.uniform(-np.pi, np.pi, shape), rng.uniform(-0.5, 0.5, shape))
+        theta = evaluate(subject, "inverse", {**values, "theta_near": start}, geometry)["theta"]
+        theta = np.where(angular, theta - 2 * np.pi * np.round(theta / (2 * np.pi)), theta)
+        closes = (closure_error(subject, values["s"], theta, geometry) < 1e-12)[..., None]
+        found = np.where(np.isnan(found) & closes, theta, found)
+    return found[:, :, None, :]
+
+
+def closure_error(subject: Subject, s: Floats, theta: Floats, geometry: Mapping[str, Any]) -> Floats:
+    """How far each leg is from closing, (count, 3)."""
+    errors = []
+    for leg in range(LEGS):
+        inputs = {"s": list(s[:, leg].T), "theta": list(theta[:, leg].T)}
+        with np.errstate(all="ignore"):
+            residual = subject.kernel("subleg", "closure", inputs, geometry, leg, ARRAYS)["residual"]
+        errors.append(np.abs(stack(residual, len(s))).max(axis=-1))
+    return np.stack(errors, axis=-1)
 
 
 def _conditioned(subject: Subject, values: Values, geometry: Mapping[str, Any]) -> Any:

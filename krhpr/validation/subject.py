@@ -6,18 +6,13 @@ from a changed derivation or changed texts in a folder of their own.
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import re
-import sys
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache, cached_property
-from itertools import count
+from functools import cached_property
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import krhpr.generated
 from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
@@ -26,8 +21,7 @@ from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry, catalogue
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
-
-GENERATED = Path(krhpr.generated.__path__[0])
+from krhpr.printed_package import GENERATED, submodule
 
 Fields = Mapping[str, Sequence[Any]]
 """A geometry: for each field the values of the three legs."""
@@ -135,12 +129,12 @@ class Subject:
     @property
     def module(self) -> ModuleType:
         """The generated NumPy module."""
-        return _submodule(self.folder, f"python.{self.identifier}")
+        return submodule(self.folder, f"python.{self.identifier}")
 
     @property
     def casadi(self) -> ModuleType:
         """The generated CasADi module."""
-        return _submodule(self.folder, f"casadi.{self.identifier}")
+        return submodule(self.folder, f"casadi.{self.identifier}")
 
     @property
     def source(self) -> Path:
@@ -152,9 +146,11 @@ class Subject:
         return _with_headers(self.source, set())
 
 
-def subjects(identifiers: Iterable[str] | None = None, folder: Path = GENERATED) -> list[Subject]:
-    """Robots of the catalogue (all unless named), which share what they have in common."""
-    entries = {entry.identifier: entry for entry in catalogue()}
+def subjects(
+    identifiers: Iterable[str] | None = None, folder: Path = GENERATED, among: Iterable[Entry] | None = None
+) -> list[Subject]:
+    """Robots of the catalogue, or of `among` (all unless named), which share what they have in common."""
+    entries = {entry.identifier: entry for entry in (catalogue() if among is None else among)}
     names = list(entries if identifiers is None else identifiers)
     unknown = [name for name in names if name not in entries]
     if unknown:
@@ -174,26 +170,3 @@ def _with_headers(path: Path, seen: set[str]) -> list[tuple[str, str]]:
             seen.add(header)
             found += _with_headers(path.parent / header, seen)
     return [*found, (path.name, text)]
-
-
-_packages = count()
-
-
-@cache
-def _package(folder: Path) -> str:
-    """A folder of generated files, imported as a package under a name of its own."""
-    if folder == GENERATED:
-        return "krhpr.generated"
-    name = f"krhpr_printed_{next(_packages)}"
-    spec = importlib.util.spec_from_file_location(
-        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
-    assert spec is not None and spec.loader is not None
-    package = importlib.util.module_from_spec(spec)
-    sys.modules[name] = package
-    spec.loader.exec_module(package)
-    return name
-
-
-def _submodule(folder: Path, name: str) -> ModuleType:
-    return importlib.import_module(f"{_package(folder)}.{name}")

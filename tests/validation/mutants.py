@@ -5,6 +5,7 @@ A validation that does not notice them is worth nothing.  Nothing here touches t
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 from collections.abc import Iterable, Iterator
@@ -31,7 +32,8 @@ from krhpr.validation.outcome import State
 from krhpr.validation.plan import plan
 from krhpr.validation.printed import forget
 from krhpr.validation.run import Result, carry_out
-from krhpr.validation.subject import GENERATED, Subject
+from krhpr.printed_package import GENERATED
+from krhpr.validation.subject import Subject
 
 # -- derivations -----------------------------------------------------------------------------------
 
@@ -147,8 +149,9 @@ def printed(entries: list[Entry], folder: Path) -> Path:
 
 
 def changed_text(folder: Path, path: str, text: str) -> Path:
-    """A copy of the generated files in which one has another text."""
-    shutil.copytree(GENERATED, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    """The generated files, by links, with another text in the place of one."""
+    shutil.copytree(GENERATED, folder, copy_function=os.symlink, ignore=shutil.ignore_patterns("__pycache__"))
+    (folder / path).unlink()
     (folder / path).write_text(text, encoding="utf-8")
     return folder
 

@@ -29,8 +29,10 @@ from tests.validation.mutants import (
     sample,
     with_parts,
 )
+from tests.support import cover
 from tests.validation.support import IDENTIFIERS, subject
 
+COVER = cover(IDENTIFIERS)
 ENTRIES = {entry.identifier: entry for entry in catalogue()}
 
 
@@ -141,7 +143,7 @@ GUARDS = {"radicand", "excess"}
     ("identifier", "count"),
     [
         ("planar_rr_a", 1),
-        *(pytest.param(identifier, 20, marks=pytest.mark.full) for identifier in IDENTIFIERS),
+        *(pytest.param(identifier, 2, marks=pytest.mark.full) for identifier in COVER),
     ],
 )
 def test_an_exchanged_operation_in_a_kernel_is_found(identifier: str, count: int) -> None:
@@ -227,7 +229,7 @@ FOLDERS = {
     ("identifier", "count"),
     [
         ("spatial_rrr_a", 2),
-        *(pytest.param(identifier, 12, marks=pytest.mark.full) for identifier in IDENTIFIERS),
+        *(pytest.param(identifier, 4, marks=pytest.mark.full) for identifier in COVER),
     ],
 )
 def test_a_mistake_in_a_printed_text_is_found(

@@ -92,7 +92,8 @@ def signs_of_modes(one: Numeric, batch: Batch, found: Measured) -> None:
 def defaults(one: Numeric, batch: Batch, found: Measured) -> None:
     """Calls without a mode and without an assembly mode."""
     code = one.subject.code
-    inputs = {name: batch.values[name] for name in (*batch.pose, "redundant")}
+    needed = [port.name for port in code.function("inverse").inputs if port.name not in ("mode", "swivel")]
+    inputs = {name: batch.values[name] for name in needed}
     theta = one.call("inverse", inputs, batch.geometry)["theta"]
     signs = np.array(code.default_mode)
     mode = np.broadcast_to(signs, (len(batch), LEGS, len(signs)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import permutations, product
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from krhpr.validation.differences import arc, call
 from krhpr.validation.invariants.batch import runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch, evaluate
+from krhpr.validation.sampling import Batch, closure_error, evaluate
 from krhpr.validation.scale import relative
 from krhpr.validation.subject import Subject
 
@@ -53,6 +53,8 @@ def _measured_from_x(subject: Subject, batch: Batch, R: Floats, angle: float) ->
     the same for the swivel.
     """
     geometry = _turned(batch.geometry, angle)
+    if not subject.subleg.has_inverse:
+        return _shares_that_close(subject, batch, batch.values["s"] @ R.T, angle, geometry), 0
     here = evaluate(subject, "subleg_inverse", batch.values, batch.geometry)["theta"]
     for swivel in (0, 1) if subject.subleg.redundant else (0,):
         moved = {"s": batch.values["s"] @ R.T, "swivel": batch.values["swivel"] + swivel * angle}
@@ -62,6 +64,17 @@ def _measured_from_x(subject: Subject, batch: Batch, R: Floats, angle: float) ->
         if np.allclose(gap, share, atol=1e-9):
             return share, swivel
     raise ArithmeticError(f"{subject.identifier}: joints turn with the base by different shares")
+
+
+def _shares_that_close(
+    subject: Subject, batch: Batch, s: Floats, angle: float, geometry: Mapping[str, Any]
+) -> Any:
+    """The same for a sub-leg whose inverse has no closed form: shares with which its loops close again."""
+    for share in product((0.0, 1.0), repeat=subject.subleg.n):
+        theta = batch.values["theta"] + np.array(share) * angle
+        if closure_error(subject, s, theta, geometry).max() < 1e-9:
+            return np.array(share)
+    raise ArithmeticError(f"{subject.identifier}: no joints close the legs after the base has turned")
 
 
 def _reference(one: Numeric, batch: Batch, port: Port, wanted: Floats) -> Any:

@@ -236,6 +236,10 @@ class Ball:
             raise Undecidable(f"arctan2({self!r}, {x!r}) lies across the branch cut")
         return Ball._of(arb.atan2(ordinate, abscissa))
 
+    def centre(self) -> Ball:
+        """The middle of the enclosure, as a number without an error."""
+        return Ball._of(self._value.mid())
+
     def minimum(self, other: object) -> Ball:
         """An enclosure of the smaller of the two, whichever it is."""
         return Ball._of(self._value.min(_ball(other)._value))

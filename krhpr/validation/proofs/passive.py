@@ -41,7 +41,9 @@ class Leg:
 
 
 def passive_joints(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
-    """The chains of one leg, and the frame (in the plane: direction) of its last link."""
+    """The chains of one leg, where they are known here, and the frame (in the plane: direction) of its last
+    link.
+    """
     at = here.kernel("subleg", "posture", leg)
     result = here.kernel("subleg", "passive", leg, **at)
     fields = {field.name: here.geometry[field.name][leg] for field in subject.geometry_types["subleg"].fields}
@@ -51,8 +53,13 @@ def passive_joints(subject: Subject, here: Configuration, leg: int, found: Measu
         found.equal(times(transpose(frame), frame), identity(3), "link^T link")
         columns = transpose(frame)
         found.equal(cross(columns[0], columns[1]), columns[2], "link, right-handed")
+    else:
+        found.equal([dot(link, link)], [Exact(1)], "length of link")
     theta, s = here.leg("theta", leg), here.leg("s", leg)
-    PASSIVE[subject.code.subleg.name](Leg(fields, theta, s, result.get("passive", []), link, found))
+    chains = PASSIVE.get(subject.code.subleg.name)
+    if chains is None:
+        return  # a sub-leg of one's own
+    chains(Leg(fields, theta, s, result.get("passive", []), link, found))
 
 
 def _direction(angle: Any, x: Vector, y: Vector) -> Vector:

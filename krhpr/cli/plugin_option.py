@@ -1,0 +1,79 @@
+"""The option --plugin, which commands that look robots up share."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import krhpr
+from krhpr.cli.common import Step, WrongUse
+from krhpr.errors import UnknownRobot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from krhpr.derivations.catalogue import Entry
+    from krhpr.plugins import Printed
+
+
+def add_plugin_option(parser: argparse.ArgumentParser) -> None:
+    """--plugin FILE, which may be given several times."""
+    parser.add_argument(
+        "--plugin",
+        metavar="FILE",
+        type=Path,
+        action="append",
+        default=[],
+        help="a Python file that states a sub-leg of your own (it is run); robots with it are known too",
+    )
+
+
+def plugin_entries(files: Sequence[Path]) -> list[Entry]:
+    """Robots with the sub-legs of these files, and of installed packages."""
+    if not files and not _installed():
+        return []
+    _need_sympy()
+    from krhpr.plugins import load_plugins
+
+    return [entry for plugin in load_plugins(files) for entry in plugin.entries()]
+
+
+def _installed() -> bool:
+    """Whether an installed package offers a sub-leg, without loading it."""
+    from importlib.metadata import entry_points
+
+    return bool(entry_points(group="krhpr.sublegs"))
+
+
+def _need_sympy() -> None:
+    try:
+        import sympy  # noqa: F401
+    except ModuleNotFoundError as error:
+        raise WrongUse("a sub-leg of your own is derived first: pip install 'krhpr[generate]'") from error
+
+
+def known_robots(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """The catalogue's robots, and these."""
+    return (*krhpr.catalogue(), *(entry.identifier for entry in entries))
+
+
+@contextmanager
+def printed(
+    entries: Sequence[Entry], wanted: Sequence[str] | None, step: Step = lambda what: None
+) -> Iterator[Printed]:
+    """Robots of one's own (those wanted, or all), printed to a folder that is gone afterwards."""
+    from krhpr.plugins import Printed
+
+    chosen = [entry for entry in entries if wanted is None or entry.identifier in wanted]
+    with Printed(chosen, step) as found:
+        yield found
+
+
+def refuse_unknown(names: Sequence[str], known: Sequence[str]) -> None:
+    """Tell which robot is not known, with the nearest names."""
+    for name in names:
+        if name not in known:
+            raise UnknownRobot.among(name, known)
