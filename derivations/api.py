@@ -18,6 +18,7 @@ from krhpr.derivations.sublegs.base import (
 )
 from krhpr.derivations.sublegs.carriers import (
     FIRST_LINK,
+    SHOULDER,
     Carrier,
     FirstAxis,
     ParallelSlide,
@@ -37,14 +38,16 @@ from krhpr.derivations.sublegs.linkages import (
     PlaneVelocity,
     planar_geometry,
 )
-from krhpr.derivations.sublegs.two_link import TwoLink, distance, outside, two_link
+from krhpr.derivations.sublegs.two_link import ELBOW, TwoLink, distance, outside, two_link
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Sign, Space
 from krhpr.derivations.vectors import E, cross, cross2, dot
 
 __all__ = [
+    "ELBOW",
     "FIRST_LINK",
-    "Carrier",
+    "SHOULDER",
     "CarriedLinkage",
+    "Carrier",
     "E",
     "Factor",
     "FirstAxis",

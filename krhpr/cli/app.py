@@ -24,7 +24,7 @@ from krhpr.cli import (
     validate,
 )
 from krhpr.cli.common import Command, Exit, WrongUse, first_words
-from krhpr.errors import InvalidInput, KrhprError, UnknownBranch, UnknownRobot
+from krhpr.errors import InvalidInput, KrhprError, PluginError, UnknownBranch, UnknownRobot
 from krhpr.robot_files.problems import RobotFileError
 
 COMMANDS: tuple[Command, ...] = (
@@ -101,7 +101,7 @@ def _explain(error: Exception) -> tuple[str, Exit] | None:
     """The message and the exit code for an error; None where it is one that nobody expects."""
     from krhpr.native import CompilationError, NoCompiler
 
-    if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput, RobotFileError)):
+    if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput, RobotFileError, PluginError)):
         return str(error), Exit.WRONG_USE
     if isinstance(error, (KrhprError, NoCompiler, CompilationError)):
         return str(error), Exit.FAILED

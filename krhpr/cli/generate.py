@@ -102,12 +102,11 @@ def _check_or_gather(options: argparse.Namespace, folder: Path, own: Sequence[En
     changes = _write(files, folder, standalone=True)
     _print_table(_rows(derived, files))
     print(f"\n{len(files)} files in {folder}, {_changed(changes)}; {perf_counter() - begin:.1f} s")
-    for name in dict.fromkeys(
-        entry.robot.subleg.name for entry in theirs if not entry.robot.subleg.has_inverse
-    ):
+    newton = [entry.robot.subleg.name for entry in theirs if not entry.robot.subleg.has_inverse]
+    for name in dict.fromkeys(newton):
         print(
-            f"{name} states no `inverse`: that of its robots is a bounded Newton iteration from `theta_near`, with "
-            "a status"
+            f"{name} states no `inverse`: that of its robots is a bounded Newton iteration from "
+            "`theta_near`, with a status"
         )
     if not folder.name.isidentifier():
         print(f"Python can import the folder as a package under a name like {_identifier(folder.name)} only.")

@@ -101,9 +101,7 @@ class _Checker:
     def _name(self) -> None:
         name = self.subleg.name
         if not _NAME.fullmatch(name):
-            self._fail(
-                f"`name` is {name!r}; expected lower-case letters, digits and single underscores, a letter first"
-            )
+            self._fail(f"`name` is {name!r}; expected lower-case letters, digits and single underscores")
         taken = [subleg.name for subleg, _ in SUBLEGS if subleg.space is self.subleg.space]
         if name in taken:
             self._fail(f"the catalogue has a {self.subleg.space} sub-leg of this name; choose another")
@@ -135,7 +133,7 @@ class _Checker:
     def _geometry(self, geometry: object) -> None:
         if not isinstance(geometry, GeometryType):
             self._fail(
-                f"`geometry` returns {_kind(geometry)}; expected what leg_frame_geometry or planar_geometry makes"
+                f"`geometry` returns {_kind(geometry)}; leg_frame_geometry and planar_geometry make one"
             )
             return
         prefix = "" if self.subleg.space is Space.SPATIAL else "planar_"
@@ -163,9 +161,10 @@ class _Checker:
 
     def _three(self, what: str, value: object) -> Iterator[float]:
         values = value if isinstance(value, tuple) else (value,) * LEGS
-        if len(values) != LEGS or not all(isinstance(x, int | float) for x in values):
+        numbers = [x for x in values if isinstance(x, int | float)]
+        if len(values) != LEGS or len(numbers) != LEGS:
             self._fail(f"`{what}` is {value!r}; expected a number, or a tuple of three")
-        for number in values:
+        for number in numbers:
             if not math.isfinite(number):
                 self._fail(f"`{what}` is {number}; it must be finite")
             yield float(number)
@@ -188,13 +187,13 @@ class _Checker:
             for end in (link.start, link.end):
                 if end not in names:
                     self._fail(
-                        f"link {link.name!r} ends at {end!r}, which `points` does not name; {nearest(end, names)}"
+                        f"link {link.name!r} ends at {end!r}, no name of `points`; {nearest(end, names)}"
                     )
         places = self.subleg.actuated_at
         if places and len(places) != len(self.subleg.actuators):
             self._fail(
-                f"`actuated_at` names {len(places)} places for {len(self.subleg.actuators)} actuators; give one "
-                "for each, or none"
+                f"`actuated_at` names {len(places)} places for {len(self.subleg.actuators)} actuators; "
+                "give one for each, or none"
             )
         known = [*names, *(link.name for link in self.subleg.links)]
         for place in places:

@@ -31,7 +31,7 @@ def load_plugins(paths: Iterable[Path]) -> list[Plugin]:
         name = plugin.subleg.name
         if name in found:
             raise PluginError(
-                f"{source}: the sub-leg is called {name!r}, and so is that of {found[name]}; rename one of them"
+                f"{source}: the sub-leg is called {name!r}, as that of {found[name]}; rename one of them"
             )
         found[name] = source
         plugins.append(plugin)

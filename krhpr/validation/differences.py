@@ -15,12 +15,12 @@ import numpy as np
 from krhpr.validation.check import Check
 from krhpr.validation.numeric import Floats, Numeric, target
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch, draw, rotations
+from krhpr.validation.sampling import CONDITION, Batch, draw, rotations
 from krhpr.validation.subject import Subject
 
 STEP = 5e-6
 """Metres, radians or seconds.  Truncation is (STEP / distance to a singularity)^6, rounding 1e-16 / STEP."""
-SECOND_STEP = 1.5e-4
+SECOND_STEP = 1e-4
 
 Body = Callable[[Numeric, Batch, Measured], None]
 
@@ -243,10 +243,14 @@ def accelerations(one: Numeric, batch: Batch, found: Measured) -> None:
 
 
 def second_differences(one: Numeric, batch: Batch, found: Measured) -> None:
-    """joint_accelerations, from second differences of the inverse."""
+    """joint_accelerations, from second differences of the inverse, whose steps are longer: in configurations
+    three times as far from singularities of the legs.  (Those nearer are differenced once, above.)
+    """
     got = second_quotient(joints(one, batch), by_arc(one))
     wanted = call(one, batch, "joint_accelerations", theta_dot=joint_rates(one, batch, 0.0))["theta_ddot"]
-    compare(found, got, wanted, "theta_ddot", 2)
+    far = (np.abs(call(one, batch, "singularity")["factors"]) > 3 * CONDITION).all(axis=(1, 2))
+    found.worse(0.0 if far.any() else 1.0, "no configuration is far enough from singularities")
+    compare(found, got[far], wanted[far], "theta_ddot", 2)
 
 
 def platform_acceleration(one: Numeric, batch: Batch, found: Measured) -> None:

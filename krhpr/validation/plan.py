@@ -58,7 +58,7 @@ REASONS = {
     "references have fifteen digits",
     FIRST: "central differences of sixth order, step 5e-6: rounding is 1e-10 of the scale, and truncation "
     "grows with the sixth power of step over distance to a singularity",
-    SECOND: "second differences of sixth order, step 1.5e-4: rounding alone is 1e-7 of the scale",
+    SECOND: "second differences of sixth order, step 1e-4: rounding alone is 2e-7 of the scale",
 }
 """Why each tolerance is what it is."""
 
@@ -78,8 +78,8 @@ _ROOTS = frozenset({Op.SQRT, Op.ATAN2})
 
 
 def has_roots(kernel: Kernel) -> bool:
-    """Whether a kernel leaves the rational numbers: sines and cosines of rational angles do not; angles that a
-    Newton step moves by a number do.
+    """Whether a kernel leaves the rational numbers: sines and cosines of rational angles do not; angles that
+    a Newton step moves by a number do.
     """
     if any(port.name == "theta_next" for port in kernel.outputs):
         return True

@@ -18,13 +18,13 @@ from typing import Any
 
 from krhpr.derivations.catalogue import Entry
 from krhpr.native import NoCompiler
+from krhpr.printed_package import GENERATED
 from krhpr.validation import agreement, differences, exact, invariants, proofs, reference
 from krhpr.validation.check import Check, Kind
 from krhpr.validation.numbers import ball_precision
 from krhpr.validation.outcome import Runner, State
 from krhpr.validation.plan import plan
 from krhpr.validation.reference import NoReference
-from krhpr.printed_package import GENERATED
 from krhpr.validation.subject import Subject, subjects
 
 Progress = Callable[[str], None]

@@ -222,16 +222,19 @@ def _every_mode(
     """
     if subject.subleg.has_inverse:
         return evaluate(subject, "subleg_inverse", values, geometry)["theta"]
-    angular = np.array(subject.code.angular)
-    shape = (len(values["p"]), LEGS, subject.subleg.n)
-    found = np.full(shape, np.nan)
-    for _ in range(STARTS):
-        start = np.where(angular, rng.uniform(-np.pi, np.pi, shape), rng.uniform(-0.5, 0.5, shape))
-        theta = evaluate(subject, "inverse", {**values, "theta_near": start}, geometry)["theta"]
-        theta = np.where(angular, theta - 2 * np.pi * np.round(theta / (2 * np.pi)), theta)
-        closes = (closure_error(subject, values["s"], theta, geometry) < 1e-12)[..., None]
-        found = np.where(np.isnan(found) & closes, theta, found)
-    return found[:, :, None, :]
+    angular, count = np.array(subject.code.angular), len(values["p"])
+    repeated = {
+        name: np.concatenate([array] * STARTS) for name, array in values.items()
+    }  # all starts at once
+    shape = (STARTS * count, LEGS, subject.subleg.n)
+    start = np.where(angular, rng.uniform(-np.pi, np.pi, shape), rng.uniform(-0.5, 0.5, shape))
+    theta = evaluate(subject, "inverse", {**repeated, "theta_near": start}, geometry)["theta"]
+    theta = np.where(angular, theta - 2 * np.pi * np.round(theta / (2 * np.pi)), theta)
+    closes = closure_error(subject, repeated["s"], theta, geometry) < 1e-12
+    closes, theta = closes.reshape(STARTS, count, LEGS), theta.reshape(STARTS, count, LEGS, -1)
+    first = np.argmax(closes, axis=0)  # of each leg
+    chosen = np.take_along_axis(theta, first[None, ..., None], axis=0)[0]
+    return np.where(closes.any(axis=0)[..., None], chosen, np.nan)[:, :, None, :]
 
 
 def closure_error(subject: Subject, s: Floats, theta: Floats, geometry: Mapping[str, Any]) -> Floats:

@@ -27,12 +27,12 @@ from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robots import Robot
 from krhpr.derivations.sublegs.base import SubLeg
+from krhpr.printed_package import GENERATED
 from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.outcome import State
 from krhpr.validation.plan import plan
 from krhpr.validation.printed import forget
 from krhpr.validation.run import Result, carry_out
-from krhpr.printed_package import GENERATED
 from krhpr.validation.subject import Subject
 
 # -- derivations -----------------------------------------------------------------------------------

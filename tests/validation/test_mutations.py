@@ -14,6 +14,7 @@ from krhpr.derivations.sublegs.base import Forward, VelocityEquations
 from krhpr.validation.check import Kind, Target
 from krhpr.validation.plan import plan
 from krhpr.validation.subject import Subject
+from tests.support import cover
 from tests.validation.mutants import (
     changed,
     changed_at,
@@ -29,7 +30,6 @@ from tests.validation.mutants import (
     sample,
     with_parts,
 )
-from tests.support import cover
 from tests.validation.support import IDENTIFIERS, subject
 
 COVER = cover(IDENTIFIERS)

@@ -250,8 +250,8 @@ class _Plan:
         angles, count = "", 0
         if phases.angles is not None:
             count = phases.angles.output_port("angle").size
-            angles = self._text(call, part, phases.angles, {**special, "angle": "angle"}, indent=12)
-            special |= {"sine": "sine", "cosine": "cosine"}
+            angles = self._text(call, part, phases.angles, {**special, "angle": "step_angle"}, indent=12)
+            special |= {"sine": "step_sine", "cosine": "step_cosine"}
         iteration = Iteration(
             state=repeat.before,
             size=phases.body.output_port(repeat.after).size,
