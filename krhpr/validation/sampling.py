@@ -234,7 +234,8 @@ def _every_mode(
     closes, theta = closes.reshape(STARTS, count, LEGS), theta.reshape(STARTS, count, LEGS, -1)
     first = np.argmax(closes, axis=0)  # of each leg
     chosen = np.take_along_axis(theta, first[None, ..., None], axis=0)[0]
-    return np.where(closes.any(axis=0)[..., None], chosen, np.nan)[:, :, None, :]
+    found: Floats = np.where(np.any(closes, axis=0)[..., None], chosen, np.nan)
+    return found[:, :, None, :]
 
 
 def closure_error(subject: Subject, s: Floats, theta: Floats, geometry: Mapping[str, Any]) -> Floats:
