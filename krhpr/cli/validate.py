@@ -72,15 +72,13 @@ def _validate(identifiers: Sequence[str], own: Sequence[Entry], options: argpars
     size = "large" if options.full else "small"
     theirs = [entry for entry in own if entry.identifier in identifiers]
     rest = [name for name in identifiers if name in krhpr.catalogue()]
-    results: tuple[Result, ...] = ()
     with progress(None) as step:
-        if rest:
-            results = validate(rest, size, step, folder=None).results
-        if theirs:
-            with printed(theirs, None, step) as found:
-                more = validate(None, size, step, generated=found.folder, among=theirs, folder=None)
-            results = (*results, *more.results)
-    report = Report(size, results)
+        if not theirs:
+            return validate(rest, size, step, folder=options.report)
+        results = validate(rest, size, step, folder=None).results if rest else ()
+        with printed(theirs, None, step) as found:
+            more = validate(None, size, step, generated=found.folder, among=theirs, folder=None)
+    report = Report(size, (*results, *more.results))
     report.write(options.report)
     return report
 
