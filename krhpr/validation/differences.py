@@ -244,12 +244,13 @@ def accelerations(one: Numeric, batch: Batch, found: Measured) -> None:
 
 def second_differences(one: Numeric, batch: Batch, found: Measured) -> None:
     """joint_accelerations, from second differences of the inverse, whose steps are longer: in configurations
-    three times as far from singularities of the legs.  (Those nearer are differenced once, above.)
+    three times as far from singularities of the legs, or in the better half where a leg's factors are small.
+    (All are differenced once, above.)
     """
     got = second_quotient(joints(one, batch), by_arc(one))
     wanted = call(one, batch, "joint_accelerations", theta_dot=joint_rates(one, batch, 0.0))["theta_ddot"]
-    far = (np.abs(call(one, batch, "singularity")["factors"]) > 3 * CONDITION).all(axis=(1, 2))
-    found.worse(0.0 if far.any() else 1.0, "no configuration is far enough from singularities")
+    worst = np.abs(call(one, batch, "singularity")["factors"]).min(axis=(1, 2))
+    far = worst >= min(3 * CONDITION, float(np.median(worst)))
     compare(found, got[far], wanted[far], "theta_ddot", 2)
 
 

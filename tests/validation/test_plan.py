@@ -9,12 +9,15 @@ import pytest
 
 from krhpr.codegen.pipeline import derive
 from krhpr.codegen.report import report_files
+from krhpr.derivations.catalogue import catalogue
+from krhpr.derivations.sublegs.kernels import SubLegKernels
 from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.configurations import LEGS_BY_NAME
 from krhpr.validation.page import page
 from krhpr.validation.plan import KINDS, REASONS, plan
 from krhpr.validation.proofs.first_principles import CLOSURES
 from krhpr.validation.proofs.passive import PASSIVE
+from krhpr.validation.proofs.places import OTHERS
 from krhpr.validation.proofs.platforms import EQUILATERAL
 from krhpr.validation.proofs.thesis import ATTACHMENTS, ROWS, VELOCITY
 from krhpr.validation.rules import EVERY, FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
@@ -58,6 +61,11 @@ def test_what_is_known_of_parts_is_known_everywhere() -> None:
     assert set(THESIS_VELOCITY) == set(VELOCITY)
     assert set(THESIS_ROWS) == set(ROWS) == set(EQUILATERAL) == set(ATTACHMENTS)
     assert set(FIRST_PRINCIPLES) < set(THESIS_VELOCITY) < set(PASSIVE) == parts
+    assert set(OTHERS) == {
+        entry.robot.subleg.geometry().name
+        for entry in catalogue()
+        if SubLegKernels(entry.robot.subleg).factors()[2]
+    }
     assert set(THESIS_ROWS) == {robot.platform.name for robot in DERIVED.robots}
 
 

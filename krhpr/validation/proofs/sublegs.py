@@ -34,7 +34,8 @@ from krhpr.validation.numbers import Ball, Exact
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.proofs import thesis
 from krhpr.validation.proofs.first_principles import closure_and_jacobian
-from krhpr.validation.proofs.passive import passive_joints
+from krhpr.validation.proofs.passive import PASSIVE, passive_joints
+from krhpr.validation.proofs.places import OTHERS, places
 from krhpr.validation.sampling import draw
 from krhpr.validation.subject import Subject
 
@@ -236,6 +237,10 @@ def determinants(subject: Subject, check: Check, count: int) -> Measured:
             _redundant_factors(subject, here, leg, found)
         else:
             found.equal(result["det_M"], [determinant(M)], "det M")
+        formula = OTHERS.get(subject.code.subleg.name)
+        if formula is not None:
+            expected = formula(fields(here, leg), here.leg("s", leg), here.leg("theta", leg))
+            found.equal(result["factors"][-len(expected) :], expected, "other factors")
     source = Draw(check.seed + 1)
     serial, parallel, others = factor_counts(subject.subleg)
     arithmetic = BALLS if others else RATIONAL
@@ -328,6 +333,10 @@ def links(subject: Subject, here: Configuration, leg: int, found: Measured) -> N
     lengths = fields(here, leg)
     joints = {j.name: x for j, x in zip(subject.subleg.actuators, here.leg("theta", leg), strict=True)}
     found.equal(points["S"], here.leg("s", leg), "S_i")
+    if subject.code.subleg.name in PASSIVE:  # not a sub-leg of one's own, which stands where its author says
+        for name, point in places(lengths, here.leg("s", leg)).items():
+            if name in points:
+                found.equal(points[name], point, name)
     for link in subject.subleg.links:
         along = minus(points[link.end], points[link.start])
         length = lengths[link.name] if link.name in lengths else joints[link.name]

@@ -71,8 +71,8 @@ SUBLEG_PROOFS = (
         EXACT,
         MANY,
         "The closed form of det M equals the determinant of M; the dimensionless factors multiply up to "
-        "it, with a "
-        "constant of the geometry.",
+        "it, with a constant of the geometry; other factors equal formulas written from the description "
+        "alone.",
     ),
     Proof(
         "accelerations",
@@ -122,7 +122,8 @@ SUBLEG_PROOFS = (
         "points",
         EXACT,
         MANY,
-        "Every link is as long as the geometry or the joint that it is named after; the last point is S_i.",
+        "Every link is as long as the geometry or the joint that it is named after; joints on the base are "
+        "where the description says, and the last point is S_i.",
     ),
     Proof(
         "swivel",
