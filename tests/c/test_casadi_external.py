@@ -185,6 +185,9 @@ def test_jacobians_against_finite_differences(robot: str, external: Callable[[st
     for name in sx(robot).keys() - without_jacobian(robot):
         function = external(name)
         jacobian = function.jacobian()
+        ports = krhpr.load(robot, backend="numpy").signature(name).outputs
+        angular = {port.name for port in ports if port.unit in ("rad", "rad or m")}
+        angles = [function.name_out(o) in angular for o in range(function.n_out())]
         for at in configurations(robot, 2):
             given = arguments(robot, function, at)
             blocks = matrices(jacobian.call([*given, *[0] * function.n_out()]))
@@ -192,23 +195,30 @@ def test_jacobians_against_finite_differences(robot: str, external: Callable[[st
                 if function.name_in(i) in OPTIONAL:
                     continue
                 for column in range(given[i].numel()):
-                    slopes = central(function, given, i, column, step)
+                    slopes = central(function, given, i, column, step, angles)
                     for o, slope in enumerate(slopes):
                         exact = blocks[o * function.n_in() + i][:, column]
                         scale = max(1.0, np.abs(exact).max())
                         np.testing.assert_allclose(exact, slope, rtol=0, atol=2e-6 * scale)
 
 
-def central(function: Any, given: list[Any], i: int, element: int, step: float) -> list[np.ndarray]:
-    """The slope of every output along one element of input i."""
+def central(
+    function: Any, given: list[Any], i: int, element: int, step: float, angles: list[bool]
+) -> list[np.ndarray]:
+    """The slope of every output along one element of input i; of angles along the smaller arc."""
+
+    def values(distance: float) -> list[np.ndarray]:
+        moved = list(given)
+        moved[i] = ca.DM(given[i])
+        moved[i][element] += distance
+        return [ca.vec(ca.densify(value)).full().ravel() for value in function.call(moved)]
+
     slopes = [np.zeros(function.numel_out(o)) for o in range(function.n_out())]
     for place, weight in ((1, 45), (2, -9), (3, 1)):
-        for side in (place, -place):
-            moved = list(given)
-            moved[i] = ca.DM(given[i])
-            moved[i][element] += side * step
-            for slope, value in zip(slopes, function.call(moved), strict=True):
-                slope += np.sign(side) * weight / 60 / step * ca.vec(ca.densify(value)).full().ravel()
+        pairs = zip(values(place * step), values(-place * step), strict=True)
+        for slope, (high, low), angle in zip(slopes, pairs, angles, strict=True):
+            gap = high - low
+            slope += weight / 60 / step * (np.arctan2(np.sin(gap), np.cos(gap)) if angle else gap)
     return slopes
 
 
