@@ -95,14 +95,19 @@ def draw_geometry(
     subject: Subject, rng: np.random.Generator, spread: float
 ) -> dict[str, tuple[float, float, float]]:
     """The default sizes, each leg's changed by up to `spread` (relative for lengths, in radians for
-    angles).
+    angles).  Lengths that are zero by default become a small share of the others, or nothing that is
+    multiplied by them would be checked.
     """
     units = {field.name: field.unit for kind in subject.geometry_types.values() for field in kind.fields}
     found = {}
-    for name in subject.fields:
-        values = np.array(subject.entry.sizes[name])
+    sizes = {name: np.array(subject.entry.sizes[name], dtype=float) for name in subject.fields}
+    typical = float(np.median([np.abs(sizes[name]) for name in sizes if units[name] is not Unit.RADIAN]))
+    for name, values in sizes.items():
         change = rng.uniform(-spread, spread, LEGS)
-        values = values + change if units[name] is Unit.RADIAN else values * (1 + change)
+        if units[name] is Unit.RADIAN:
+            values = values + change
+        else:
+            values = np.where(values == 0, np.abs(change) * typical, values * (1 + change))
         found[name] = (float(values[0]), float(values[1]), float(values[2]))
     return found
 

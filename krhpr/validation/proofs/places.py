@@ -43,12 +43,20 @@ def _feet(g: Fields, s: Vector) -> list[Vector]:
     return found
 
 
-def places(g: Fields, s: Vector) -> dict[str, Vector]:
-    """Points by their names: the base joint A, the end c of link i1, centres G_k, feet C_k."""
+def places(g: Fields, s: Vector, theta: Vector) -> dict[str, Vector]:
+    """Points by their names: base joints A and A_2, the end c of link i1, centres G_k, feet C_k, and the end
+    E of a planar five-bar's first crank.
+    """
     found: dict[str, Vector] = {}
-    if "l_0" not in g:  # the distance of two base joints
-        base = [g["R_b"] * g["azimuth"].cos(), g["R_b"] * g["azimuth"].sin(), Exact(0)]
-        found["A"] = base[: len(s)]
+    radial = [g["azimuth"].cos(), g["azimuth"].sin(), Exact(0)][: len(s)]
+    base = scaled(g["R_b"], radial)
+    if "l_0" in g:  # the distance of two base joints
+        along = scaled(g["l_0"] / 2, [-radial[1], radial[0]])
+        found |= {"A": minus(base, along), "A_2": plus(base, along)}
+    else:
+        found["A"] = base
+    if "l_4" in g and len(s) == 2:
+        found["E"] = plus(found["A"], scaled(g["l_4"], [theta[0].cos(), theta[0].sin()]))
     if "alpha" in g and "slide_azimuth" not in g:
         found["c"] = thesis.axes(g, None).c
     if "a_1" in g:

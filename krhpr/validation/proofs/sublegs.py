@@ -334,7 +334,7 @@ def links(subject: Subject, here: Configuration, leg: int, found: Measured) -> N
     joints = {j.name: x for j, x in zip(subject.subleg.actuators, here.leg("theta", leg), strict=True)}
     found.equal(points["S"], here.leg("s", leg), "S_i")
     if subject.code.subleg.name in PASSIVE:  # not a sub-leg of one's own, which stands where its author says
-        for name, point in places(lengths, here.leg("s", leg)).items():
+        for name, point in places(lengths, here.leg("s", leg), here.leg("theta", leg)).items():
             if name in points:
                 found.equal(points[name], point, name)
     for link in subject.subleg.links:
