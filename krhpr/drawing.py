@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from krhpr.errors import NoConvergence
 from krhpr.robot import Branch, Robot
 
 Array = NDArray[np.float64]
@@ -115,12 +116,13 @@ def skeleton(
     """Points and links at one pose.
 
     `orientation` is Q, or phi for a planar robot; `mode` is what `Robot.inverse` takes, its default unless
-    given; `theta` are the joints themselves, where `inverse` has no closed form.  Raises Unreachable where a
-    leg cannot reach its end point.
+    given; `theta` are the joints themselves.  Where `inverse` has no closed form and no joints are given,
+    they are those to which Newton steps lead from the first of some fixed starts.  Raises Unreachable where
+    a leg cannot reach its end point, NoConvergence where no start leads to joints.
     """
     s = np.asarray(robot.end_points(p, orientation, redundant))
     if theta is None:
-        theta = robot.inverse(p, orientation, redundant, mode=mode, check=True)
+        theta = _joints(robot, (p, orientation, redundant), mode)
     joints, attachment = robot.link_points(p, orientation, s, theta)
     names = robot.signature("link_points").outputs[0].labels
     points = {name: joints[:, place] for place, name in enumerate(names)}
@@ -140,6 +142,31 @@ def skeleton(
     d = np.broadcast_to(np.asarray(redundant, dtype=float), (3,))
     along = np.asarray(robot.end_points(p, orientation, d + 1.0)) - s
     return replace(found, slides=along, middles=found.platform - d[:, np.newaxis] * along)
+
+
+_STARTS = 200
+"""How many starts Newton steps are tried from."""
+
+
+def _joints(robot: Robot, pose: tuple[ArrayLike, ArrayLike, ArrayLike], mode: Branch | None) -> Array:
+    """Joints at a pose, in a mode or by Newton steps."""
+    if all(port.name != "theta_near" for port in robot.signature("inverse").inputs):
+        return np.asarray(robot.inverse(*pose, mode=mode, check=True))
+    about = robot.documentation
+    kinds, names = dict(about["joint kinds"]), [name for name, _ in about["actuators"]]
+    angular = np.array([kinds[name] == "revolute" for name in names])
+    shares = np.random.default_rng(0).uniform(-1, 1, (_STARTS, 3, len(names)))
+    near = shares * np.where(angular, np.pi, 0.5)
+    found = np.asarray(robot.inverse(*pose, near=near))
+    found = np.where(angular, found - 2 * np.pi * np.round(found / (2 * np.pi)), found)
+    solved = np.isfinite(found).all(axis=-1)  # (starts, 3)
+    if not solved.any(axis=0).all():
+        leg = int(np.argmin(solved.any(axis=0))) + 1
+        raise NoConvergence(
+            f"{robot.identifier}: Newton steps from {_STARTS} starts find no joints of leg {leg}"
+        )
+    first: Array = np.take_along_axis(found, np.argmax(solved, axis=0)[None, :, None], axis=0)[0]
+    return first
 
 
 def _rotation(phi: ArrayLike) -> Array:

@@ -136,12 +136,15 @@ def test_a_robot_file_chooses_it(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "offset_wrist" in capsys.readouterr().err
 
 
-def test_list_and_info_know_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_and_info_know_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "--plugin", str(EXAMPLE), "--sub-leg", "offset_wrist"]) == 0
     listed = capsys.readouterr().out
     assert all(f"spatial_offset_wrist_{letter}" in listed for letter in "abc")
     assert main(["info", "spatial_offset_wrist_b", "--plugin", str(EXAMPLE)]) == 0
     assert "offset of S_i from W_i along e_2" in capsys.readouterr().out
+    picture = tmp_path / "arm.png"
+    command = ["info", "spatial_offset_wrist_b", "--plugin", str(EXAMPLE), "--picture", str(picture)]
+    assert main(command) == 0 and picture.stat().st_size > 10_000
 
 
 def test_generated_holds_the_catalogue_alone(capsys: pytest.CaptureFixture[str]) -> None:
