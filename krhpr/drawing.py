@@ -155,8 +155,8 @@ def _joints(robot: Robot, pose: tuple[ArrayLike, ArrayLike, ArrayLike], mode: Br
     about = robot.documentation
     kinds, names = dict(about["joint kinds"]), [name for name, _ in about["actuators"]]
     angular = np.array([kinds[name] == "revolute" for name in names])
-    shares = np.random.default_rng(0).uniform(-1, 1, (_STARTS, 3, len(names)))
-    near = shares * np.where(angular, np.pi, 0.5)
+    shares = np.random.default_rng(0).uniform(-1, 1, (_STARTS, 1, len(names)))  # alike for all legs
+    near = np.broadcast_to(shares * np.where(angular, np.pi, 0.5), (_STARTS, 3, len(names)))
     found = np.asarray(robot.inverse(*pose, near=near))
     found = np.where(angular, found - 2 * np.pi * np.round(found / (2 * np.pi)), found)
     solved = np.isfinite(found).all(axis=-1)  # (starts, 3)
@@ -165,6 +165,9 @@ def _joints(robot: Robot, pose: tuple[ArrayLike, ArrayLike, ArrayLike], mode: Br
         raise NoConvergence(
             f"{robot.identifier}: Newton steps from {_STARTS} starts find no joints of leg {leg}"
         )
+    alike = solved.all(axis=1)
+    if alike.any():
+        return np.asarray(found[np.argmax(alike)])
     first: Array = np.take_along_axis(found, np.argmax(solved, axis=0)[None, :, None], axis=0)[0]
     return first
 
