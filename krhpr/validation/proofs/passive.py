@@ -20,6 +20,7 @@ from krhpr.validation.linear import (
 from krhpr.validation.numbers import Exact
 from krhpr.validation.outcome import Measured
 from krhpr.validation.proofs import thesis
+from krhpr.validation.proofs.places import around
 from krhpr.validation.proofs.thesis import Vector
 from krhpr.validation.subject import Subject
 
@@ -150,12 +151,6 @@ def _rrrr(leg: Leg) -> None:
 # -- chains in space ---------------------------------------------------------------------------------
 
 
-def _around(leg: Leg) -> list[Vector]:
-    """Radial directions of the centres."""
-    angles = [leg.g["azimuth"] + leg.g[f"a_{k}"] for k in (1, 2, 3)]
-    return [[angle.cos(), angle.sin(), Exact(0)] for angle in angles]
-
-
 def _strut(leg: Leg, k: int, base: Vector, frame: tuple[Vector, Vector, Vector]) -> None:
     """base + rho_k Rot(f_0, tilt) Rot(f_1, lean) f_2 = S_i."""
     (first, second, third), rho = frame, leg.theta[k]
@@ -166,7 +161,7 @@ def _strut(leg: Leg, k: int, base: Vector, frame: tuple[Vector, Vector, Vector])
 
 def _ups3(leg: Leg) -> None:
     at = _base(leg)
-    for k, out in enumerate(_around(leg)):
+    for k, out in enumerate(around(leg.g)):
         base = plus(at.c, scaled(leg.g["r_g"], out))
         _strut(leg, k, base, (at.x, at.e_1, at.e_2))
         if k == 0:
@@ -176,7 +171,7 @@ def _ups3(leg: Leg) -> None:
 
 def _upu3(leg: Leg) -> None:
     at = _base(leg)
-    for k, out in enumerate(_around(leg)):
+    for k, out in enumerate(around(leg.g)):
         base = plus(at.c, scaled(leg.g["r_g"], out))
         frame = (cross(Z, out), scaled(-1, out), Z)
         _strut(leg, k, base, frame)
@@ -185,7 +180,7 @@ def _upu3(leg: Leg) -> None:
 
 def _delta(leg: Leg) -> None:
     at, g = _base(leg), leg.g
-    for k, out in enumerate(_around(leg)):
+    for k, out in enumerate(around(leg.g)):
         knee, lean = leg.passive[2 * k : 2 * k + 2]
         arm = plus(scaled(g["r_g"], out), scaled(g["L"], _direction(leg.theta[k], out, Z)))
         rod = _direction(lean, _direction(leg.theta[k] + knee, out, Z), cross(Z, out))

@@ -16,7 +16,7 @@ from krhpr.validation.proofs.thesis import Vector
 Fields = dict[str, Any]
 
 
-def _around(g: Fields) -> list[Vector]:
+def around(g: Fields) -> list[Vector]:
     """Radial directions of the centres g_k about c."""
     angles = [g["azimuth"] + g[f"a_{k}"] for k in (1, 2, 3)]
     return [[angle.cos(), angle.sin(), Exact(0)] for angle in angles]
@@ -25,7 +25,7 @@ def _around(g: Fields) -> list[Vector]:
 def _centres(g: Fields) -> list[Vector]:
     """g_k on a horizontal circle about c."""
     c = thesis.axes(g, None).c
-    return [plus(c, scaled(g["r_g"], out)) for out in _around(g)]
+    return [plus(c, scaled(g["r_g"], out)) for out in around(g)]
 
 
 def _feet(g: Fields, s: Vector) -> list[Vector]:
@@ -79,7 +79,7 @@ def _tripteron(g: Fields, s: Vector, theta: Vector) -> list[Any]:
 def _upu3(g: Fields, s: Vector, theta: Vector) -> list[Any]:
     """det [t_k x (w_k x t_k)]: normals of the axes t_k and w_k x t_k of the universal joints."""
     normals = []
-    for out, centre in zip(_around(g), _centres(g), strict=True):
+    for out, centre in zip(around(g), _centres(g), strict=True):
         tangent = [-out[1], out[0], Exact(0)]
         normals.append(cross(tangent, cross(minus(s, centre), tangent)))
     scale = g["r_g"]
