@@ -192,6 +192,7 @@ def test_progress_in_a_terminal_leaves_nothing_behind_but_the_results(
     assert "derive planar_rr_a" in result.err
 
 
+@pytest.mark.full  # it collects all tests, which takes half a minute
 def test_without_a_compiler_tests_are_skipped_and_it_is_said(tmp_path: Path) -> None:
     """All are collected; of one that needs a compiler it is told why it is skipped, and what is slower."""
     common = ["-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "-q"]
