@@ -37,13 +37,17 @@ CALL = {
     "w5": "krhpr_{robot}_w5(&geometry, s, theta, M)",
 }
 
+MODE, MODE_SIGNS = "front/elbow+", (1.0, 1.0)
+"""The working mode of all contenders of w2."""
+
 
 def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
     """Generated scalar C: with its own sine, cosine and arctangent, and with the C library's."""
     folder = folder / f"ours_{workload.key}"
     robot = _write(workload, folder)
     name = robot.identifier
-    mode = "static const double mode[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};\n" if workload.key == "w2" else ""
+    signs = ", ".join(map(repr, 3 * MODE_SIGNS))
+    mode = f"static const double mode[6] = {{{signs}}};\n" if workload.key == "w2" else ""
     glue = (
         f'#include "krhpr_{name}.c"\n'
         + baked_geometry(robot, "geometry")
@@ -93,7 +97,7 @@ def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
     robot = krhpr.load(ROBOT[workload.key], backend="compiled")
     numpy_robot = krhpr.load(ROBOT[workload.key], backend="numpy")
     gufunc = _gufunc(workload, robot)
-    extra = [np.ones((3, 2))] if workload.key == "w2" else []
+    extra = [np.array(3 * [MODE_SIGNS])] if workload.key == "w2" else []
     outputs = [array.shape for array in workload.outputs]
 
     def bound(inputs: list[Floats], *, reuse: bool) -> Prepared:
@@ -108,7 +112,7 @@ def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
         batch = inputs[0].shape[: inputs[0].ndim - len(workload.inputs[0].shape)]
         arrays = [x.reshape(*batch, *array.shape) for x, array in zip(inputs, workload.inputs, strict=True)]
         if workload.key == "w2":
-            return Prepared(lambda: (of.inverse(*arrays),), _collect_all)
+            return Prepared(lambda: (of.inverse(*arrays, mode=MODE),), _collect_all)
 
         def two_calls() -> Any:
             p, Q, theta = arrays

@@ -22,6 +22,7 @@ from krhpr.codegen.composition import (
 )
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.platforms.forward import SIDE, TURNED, forward_ports
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
 
@@ -101,6 +102,9 @@ class _Functions:
         yield self._link_points()
         yield self._singularity()
         yield self._type_2_of_redundant()
+        if self.robot.platform.closed_forward:
+            yield self._forward_all()
+            yield self._forward()
 
     # -- pieces ---------------------------------------------------------------------------------------------
 
@@ -552,3 +556,51 @@ class _Functions:
                 Call(Stage.PLATFORM, "platform", "type_2", {}, {}),
             ),
         )
+
+    # -- forward kinematics ---------------------------------------------------------------------------------
+
+    def _forward_all(self) -> RobotFunction:
+        ports = forward_ports(self.robot.space, self.plate.redundant, 2)
+        outputs = (ports.p, ports.orientation, ports.redundant, ports.det_J, ports.count)
+        return self._function(
+            "forward_all",
+            "Every pose of the platform that holds the end points of the sub-legs, with its redundant "
+            "coordinates: two, in closed form, with opposite det J, first the one whose first margin is "
+            "positive.",
+            "3.6; 3.2 for arrangement (a)",
+            (self.leg.s, *(() if self.planar else (TURNED,))),
+            outputs,
+            (
+                self._on_leg("platform", "tie"),
+                Call(Stage.PLATFORM, "platform", "assembly_modes", {}, {}),
+            ),
+            tuple(replace(guard, empties=(ports.count.name,)) for guard in self._assembly_guards()),
+        )
+
+    def _forward(self) -> RobotFunction:
+        subleg = self._subleg_forward()
+        ports = forward_ports(self.robot.space, self.plate.redundant, 0)
+        return self._function(
+            "forward",
+            "The pose of the platform and the redundant coordinates from the actuated joints alone, unique "
+            "on the known side of type II: no guess and no extra encoder.",
+            "3.6",
+            (*subleg.inputs, SIDE),
+            (ports.p, ports.orientation, ports.redundant),
+            (
+                *subleg.calls,
+                self._on_leg("platform", "tie"),
+                Call(Stage.PLATFORM, "platform", "assembly_mode", {}, {"radicand": "assembly_radicand"}),
+            ),
+            (*subleg.guards, *self._assembly_guards("assembly_radicand")),
+        )
+
+    def _assembly_guards(self, radicand: str = "radicand") -> tuple[Guard, ...]:
+        limit = SINGULAR_TOLERANCE**2  # the kernel gives squares
+        guards = [
+            Guard("breadth", 0, Relation.AT_LEAST, limit, Status.SINGULAR_IN_PLANE),
+            Guard(radicand, 0, Relation.AT_LEAST, 0.0, Status.NO_ASSEMBLY),
+        ]
+        if not self.planar:
+            guards.insert(0, Guard("flatness", 0, Relation.AT_LEAST, limit, Status.SINGULAR_NORMAL))
+        return tuple(guards)

@@ -61,6 +61,14 @@ class NoConvergence(KrhprError, ValueError):
         self.index = index
 
 
+class Unassembled(KrhprError, ValueError):
+    """End points that no platform of the geometry fits; `index` is their place in the batch."""
+
+    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
+        super().__init__(message, index)
+        self.index = index
+
+
 class InvalidInput(KrhprError, ValueError):
     """NaN or infinite input, or a matrix that is not a rotation; `index` is its place in the batch."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from krhpr.backend import Backend, BackendName, make_backend
-from krhpr.errors import InvalidInput, NoConvergence, Singular, UnknownBranch, Unreachable
+from krhpr.errors import InvalidInput, NoConvergence, Singular, Unassembled, UnknownBranch, Unreachable
 from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 from krhpr.limits import Limits
 
@@ -237,20 +237,8 @@ class Robot:
         Sub-legs with a closed loop take `assembly` (a label, one for each leg, or signs), or a point `near`
         (..., 3, 3) the end points where their assembly modes have no names.
         """
-        choice: dict[str, Any] = {}
-        if self._takes("subleg_forward", "s_near"):
-            if near is None or assembly is not None:
-                raise UnknownBranch(
-                    f"{self.identifier}.subleg_forward: the assembly mode of its sub-legs is chosen "
-                    "by a point near "
-                    "each end point: near=... of shape (..., 3, 3)"
-                )
-            choice["s_near"] = near
-        elif near is not None:
-            raise UnknownBranch(f"{self.identifier}.subleg_forward takes no point near the end points")
-        elif self.assemblies or assembly is not None:
-            choice["assembly"] = self.assembly_signs(assembly)
-        return self._answer("subleg_forward", (theta, *choice.values()), options)
+        choice = self._assembly_choice("subleg_forward", assembly, near)
+        return self._answer("subleg_forward", (theta, *choice), options)
 
     def subleg_inverse(
         self, s: ArrayLike, *, swivel: ArrayLike | None = None, **options: Unpack[Options]
@@ -445,6 +433,34 @@ class Robot:
         """
         return self._answer("type_2_of_redundant", (redundant,), options)
 
+    # -- forward kinematics ---------------------------------------------------------------------------------
+
+    def forward_all(self, s: ArrayLike, *, turned: bool = False, **options: Unpack[Options]) -> Any:
+        """(p, Q, redundant, det_J, count): every pose that holds the end points s (..., 3, 3), along a first
+        core axis; `turned` gives those of the platform turned over in place of the others.
+        """
+        if self._takes("forward_all", "turned"):
+            return self._answer("forward_all", (s, -1.0 if turned else 1.0), options)
+        if turned:
+            raise UnknownBranch(f"{self.identifier}.forward_all: a planar platform cannot be turned over")
+        return self._answer("forward_all", (s,), options)
+
+    def forward(
+        self,
+        theta: ArrayLike,
+        assembly: Branch | None = None,
+        *,
+        near: ArrayLike | None = None,
+        side: ArrayLike = 1.0,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(p, Q, redundant) from the actuated joints theta (..., 3, n) alone: the one pose on a `side` of
+        type II, +1 (where the first margin of `singularity` is positive) or -1.  `assembly` and `near`
+        choose the sub-legs' assembly modes as in `subleg_forward`.
+        """
+        choice = self._assembly_choice("forward", assembly, near)
+        return self._answer("forward", (theta, *choice, side), options)
+
     # -- how a call is made ---------------------------------------------------------------------------------
 
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
@@ -559,6 +575,12 @@ class Robot:
                 f"{where}: Newton's iteration did not converge; start nearer to the solution (near=...)",
                 index,
             )
+        if code is Status.NO_ASSEMBLY:
+            raise Unassembled(
+                f"{where}: no platform of this geometry fits the three end points; check the joints and the "
+                "assembly modes of the sub-legs",
+                index,
+            )
         raise Singular(f"{where}: singular configuration, {_MEANING[code]}", int(code), index)
 
     def _distance(
@@ -603,6 +625,24 @@ class Robot:
 
     def _takes(self, function: str, argument: str) -> bool:
         return any(port.name == argument for port in self.signature(function).inputs)
+
+    def _assembly_choice(
+        self, function: str, assembly: Branch | None, near: ArrayLike | None
+    ) -> tuple[Any, ...]:
+        """The argument that chooses the sub-legs' assembly modes, where they have several."""
+        if self._takes(function, "s_near"):
+            if near is None or assembly is not None:
+                raise UnknownBranch(
+                    f"{self.identifier}.{function}: the assembly mode of its sub-legs is chosen "
+                    "by a point near "
+                    "each end point: near=... of shape (..., 3, 3)"
+                )
+            return (near,)
+        if near is not None:
+            raise UnknownBranch(f"{self.identifier}.{function} takes no point near the end points")
+        if self.assemblies or assembly is not None:
+            return (self.assembly_signs(assembly),)
+        return ()
 
     def _mode_input(self, function: str, mode: Branch | None) -> list[Any]:
         """The signs of a working mode, where the robot's sub-legs have more than one."""

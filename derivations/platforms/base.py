@@ -99,6 +99,13 @@ class Platform(ABC):
     def closed_form(self, k: KernelWriter, redundant: list[Any], geometry: list[Any]) -> list[Any]:
         """det J_a (and det J_n in space) as the closed form in the redundant coordinates, for the proof."""
 
+    closed_forward: bool = False
+    """Whether the forward kinematics has a closed form: kernels `tie`, `assembly_modes`, `assembly_mode`."""
+
+    def forward_kernels(self) -> tuple[Kernel, ...]:
+        """Kernels of the forward kinematics: poses from the sub-legs' end points."""
+        return ()
+
     # -- what follows ---------------------------------------------------------------------------------------
 
     def ports(self) -> PlatformPorts:

@@ -41,6 +41,7 @@ class PlatformKernels:
             self._attachment(),
             self._solve(),
             self._type_2(),
+            *self.plate.forward_kernels(),
         )
 
     def _begin(

@@ -9,15 +9,38 @@ from S_i to a slider on the platform: m_i = b_i - l_r n_i.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.platforms.forward import (
+    SIDE,
+    TURNED,
+    Mode,
+    all_legs,
+    plane_of,
+    stacked,
+    write_modes,
+)
+from krhpr.derivations.platforms.kernels import PlatformPorts
 from krhpr.derivations.terms import Pose, Space
 from krhpr.derivations.vectors import E, cross2, dot
+
+SLIDE = stacked("slide", (2,), Unit.NONE, "t_i, along the slide")
+DISTANCE = stacked("distance", (), Unit.METRE, "h_i, distance of the slide's line from O' along n_i")
+START = stacked("start", (), Unit.METRE, "where d_i = 0, along t_i")
+RADICAND = Port(
+    "radicand",
+    (1,),
+    Unit.MIXED,
+    Frame.NONE,
+    "A^2 + B^2 - C^2, negative where no platform fits",
+)
+BREADTH = Port("breadth", (1,), Unit.NONE, Frame.NONE, "A^2 + B^2, scaled: zero where phi is undetermined")
 
 
 class SlidePlatform(Platform):
@@ -28,6 +51,7 @@ class SlidePlatform(Platform):
     """n_i = handedness E t_i."""
     offset: bool
     """Whether the slides' lines miss O'."""
+    closed_forward = True
 
     @abstractmethod
     def slide(self, g: dict[str, Any]) -> sp.Matrix:
@@ -112,13 +136,134 @@ class SlidePlatform(Platform):
         if self.offset:
             middles = (self.middle(g, n) for g, n in zip(fields, normals, strict=True))
             points = [m + point for m, point in zip(middles, points, strict=True)]
-        # det J_a = sum of w_i times the moment of line i, w_i = n_j x n_k
-        cyclic = [(i, (i + 1) % 3, (i + 2) % 3) for i in range(3)]
-        det_a = sum(
-            (cross2(normals[j], normals[l]) * cross2(points[i], normals[i]) for i, j, l in cyclic),
-            sp.Integer(0),
+        det_a = _moments(_weights(normals), normals, points)
+        return [det_a] if self.space is Space.PLANAR else [det_a, _area(points)]
+
+    # -- forward kinematics, in closed form -----------------------------------------------------------------
+
+    def forward_kernels(self) -> tuple[Kernel, ...]:
+        return (self._tie(), self._assembly_modes(), self._assembly_mode())
+
+    def _tie(self) -> Kernel:
+        k = KernelWriter(
+            "tie",
+            "How the leg holds the platform, for the forward kinematics.",
+            "",
+            self.geometry(),
         )
-        if self.space is Space.PLANAR:
-            return [det_a]
-        area = sum((cross2(points[i], points[j]) for i, j, _ in cyclic), sp.Integer(0))
-        return [det_a, area]
+        k.add_output(SLIDE, k.g.t)
+        if self.offset:
+            normal = k.let("n", self._across(k.g.t))
+            k.add_output(DISTANCE, dot(normal, k.g.m))
+            k.add_output(START, dot(k.g.t, k.g.m))
+        return k.kernel()
+
+    def _assembly_modes(self) -> Kernel:
+        return self._assemblies(
+            "assembly_modes", "Both poses of the platform that hold the three end points.", None
+        )
+
+    def _assembly_mode(self) -> Kernel:
+        return self._assemblies(
+            "assembly_mode",
+            "The pose of the platform that holds the three end points, on one side of type II.",
+            SIDE,
+        )
+
+    def _assemblies(self, name: str, doc: str, choice: Port | None) -> Kernel:
+        """With sum lambda_i n_i = 0 the constraints n_i^T Q^T (s_i - p) = h_i lose p: A cos(phi) + B sin(phi)
+        = C, whose roots have opposite det J_a (errata, 4; planar 3.2).
+        """
+        k = KernelWriter(name, doc, self.equations)
+        s = all_legs(k, PlatformPorts(self).s)
+        slides = all_legs(k, SLIDE)
+        zeros = [sp.Integer(0)] * 3  # the slides' lines meet in O'
+        distances = all_legs(k, DISTANCE) if self.offset else zeros
+        starts = all_legs(k, START) if self.offset else zeros
+        spatial = self.space is Space.SPATIAL
+        turned: Any = sp.Integer(1)
+        if choice is not None:
+            side = k.add_input(choice)
+        elif spatial:
+            turned = k.add_input(TURNED)
+        normals = [self._across(t) for t in slides]
+        weights = [k.let(f"lambda_{i + 1}", w) for i, w in enumerate(_weights(normals))]
+        plane = plane_of(k, self.space, s, sum(weights, sp.Integer(0)), turned)
+        points = plane.points
+        a = k.let("A", sum(w * dot(n, r) for w, n, r in zip(weights, normals, points, strict=True)))
+        b = k.let("B", sum(w * cross2(n, r) for w, n, r in zip(weights, normals, points, strict=True)))
+        c = k.let("C", sum(w * h for w, h in zip(weights, distances, strict=True)))
+        square = k.let("AB_2", a**2 + b**2)
+        radicand = k.let("radicand", square - c**2)
+        size = k.let("size", sum(w**2 for w in weights) * sum(dot(r, r) for r in points))
+        k.add_output(RADICAND, [radicand])
+        k.add_output(BREADTH, [square / size])
+        root = k.let("root", sp.sqrt(radicand) / square)
+        middle = k.let("middle", c / square)
+        first = sp.Integer(self.handedness)  # where the first margin is positive
+        signs = [first, -first] if choice is None else [first * side]
+        modes = []
+        for number, sign in enumerate(signs, 1):
+            at = f"_{number}" if len(signs) > 1 else ""
+            cosine = k.let(f"cos{at}", a * middle - sign * b * root)
+            sine = k.let(f"sin{at}", b * middle + sign * a * root)
+            modes.append(self._mode(k, at, (cosine, sine), points, slides, distances, starts, weights))
+        write_modes(k, plane, modes, PlatformPorts(self).redundant, several=choice is None)
+        return k.kernel()
+
+    def _mode(
+        self,
+        k: KernelWriter,
+        at: str,
+        turn: tuple[Any, Any],
+        points: Sequence[sp.Matrix],
+        slides: Sequence[sp.Matrix],
+        distances: Sequence[Any],
+        starts: Sequence[Any],
+        weights: Sequence[Any],
+    ) -> Mode:
+        """Where the platform stands once its orientation is known: n_i^T Q^T p is linear in p."""
+        cosine, sine = turn
+        local = [
+            k.let(f"q_{i + 1}{at}", sp.Matrix([cosine * r[0] + sine * r[1], cosine * r[1] - sine * r[0]]))
+            for i, r in enumerate(points)
+        ]
+        normals = [self._across(t) for t in slides]
+        along = [
+            k.let(f"g_{i + 1}{at}", dot(n, q) - h)
+            for i, (n, q, h) in enumerate(zip(normals, local, distances, strict=True))
+        ]
+        # each pair of lines meets in O'; weighted by lambda_i no pair of parallel lines divides by zero
+        total = sp.zeros(2, 1)
+        for i, j, m in CYCLIC:
+            total += weights[i] * (along[m] * (E * normals[j]) - along[j] * (E * normals[m]))
+        centre = k.let(f"o{at}", total / k.let("lambda_2", sum(w**2 for w in weights)), "Q^T (p - s_1)")
+        ends = [k.let(f"S_{i + 1}{at}", q - centre, "S_i in the platform frame") for i, q in enumerate(local)]
+        det_j = _moments(weights, normals, ends)
+        if self.space is Space.SPATIAL:
+            det_j = det_j * _area(ends)
+        return Mode(
+            cosine,
+            sine,
+            sp.Matrix([cosine * centre[0] - sine * centre[1], sine * centre[0] + cosine * centre[1]]),
+            tuple(dot(t, end) - start for t, end, start in zip(slides, ends, starts, strict=True)),
+            det_j,
+        )
+
+
+CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+
+
+def _weights(normals: Sequence[sp.Matrix]) -> list[Any]:
+    """lambda_i = n_j x n_k, for which sum lambda_i n_i = 0."""
+    return [cross2(normals[j], normals[l]) for _, j, l in CYCLIC]
+
+
+def _moments(weights: Sequence[Any], normals: Sequence[sp.Matrix], points: Sequence[sp.Matrix]) -> Any:
+    """det J_a: the sum of lambda_i times the moment of line i."""
+    return sum((w * cross2(s, n) for w, n, s in zip(weights, normals, points, strict=True)), sp.Integer(0))
+
+
+def _area(points: Sequence[sp.Matrix]) -> Any:
+    """det J_n: twice the signed area of S_1 S_2 S_3."""
+    return sum((cross2(points[i], points[j]) for i, j, _ in CYCLIC), sp.Integer(0))

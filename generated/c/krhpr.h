@@ -58,7 +58,8 @@ typedef enum {
     KRHPR_SINGULAR_NORMAL = 8, /* det J_n vanishes: S_1, S_2, S_3 are collinear */
     KRHPR_NO_CONVERGENCE = 9, /* an iteration ended before it converged */
     KRHPR_AMBIGUOUS = 10, /* several answers cannot be told apart */
-    KRHPR_INVALID_INPUT = 11 /* an input is NaN or infinite */
+    KRHPR_INVALID_INPUT = 11, /* an input is NaN or infinite */
+    KRHPR_NO_ASSEMBLY = 12 /* no platform fits the three end points */
 } krhpr_status;
 
 /* Where the first operand is NaN the second is the result. */

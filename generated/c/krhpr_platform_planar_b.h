@@ -19,24 +19,30 @@ typedef struct {
     double l_r; /* redundant link, from r_i along n_i to its slider (m) */
     double t[2]; /* t_i, along the slide */
     double m[2]; /* m_i, S_i where d_i = 0 */
-    double k[4]; /* sub-expressions of the geometry alone, computed once */
+    double k[6]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_planar_b_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 6 multiply, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (4 add, 6 multiply, 1 sine cosine) */
 static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geometry *g)
 {
     double t_1, t_0; krhpr_sincos(g->platform_azimuth, &t_1, &t_0);
     const double m_0 = g->b_x + g->l_r * t_1;
     const double m_1 = g->b_y - g->l_r * t_0;
+    const double k_0 = t_0 * m_0;
+    const double k_1 = t_1 * m_1;
+    const double k_2 = t_0 * m_1;
+    const double k_3 = t_1 * m_0;
     g->t[0] = t_0;
     g->t[1] = t_1;
     g->m[0] = m_0;
     g->m[1] = m_1;
-    g->k[0] = t_0 * m_0;
-    g->k[1] = t_1 * m_1;
-    g->k[2] = t_0 * m_1;
-    g->k[3] = t_1 * m_0;
+    g->k[0] = k_0;
+    g->k[1] = k_1;
+    g->k[2] = k_2;
+    g->k[3] = k_3;
+    g->k[4] = k_2 - k_3;
+    g->k[5] = k_0 + k_1;
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (6 add, 6 multiply) */
@@ -252,6 +258,163 @@ static inline void krhpr_platform_planar_b_type_2(
     const double det_a = t1 + line[2] * (line[3] * line[7] - line[4] * line[6]); /* det J */
     type_2[0] = det_a;
     margins[0] = det_a;
+}
+
+/* How the leg holds the platform, for the forward kinematics.  (no operations) */
+static inline void krhpr_platform_planar_b_tie(
+    const krhpr_platform_planar_b_geometry *g, double *KRHPR_RESTRICT slide, double *KRHPR_RESTRICT distance,
+    double *KRHPR_RESTRICT start)
+{
+    slide[0] = g->t[0];
+    slide[1] = g->t[1];
+    *distance = g->k[4];
+    *start = g->k[5];
+}
+
+/* Both poses of the platform that hold the three end points.  Thesis: (2.8).  (94 add, 124 multiply, 3
+ * divide, 1 square root) */
+static inline void krhpr_platform_planar_b_assembly_modes(
+    const double s[6], const double slide[6], const double distance[3], const double start[3],
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double A = lambda_2 * (slide[2] * s_12_1 - slide[3] * s_12_0) + lambda_3 * (slide[4] * s_13_1 - slide[5] * s_13_0);
+    const double t1 = lambda_2 * (slide[2] * s_12_0 + slide[3] * s_12_1) + lambda_3 * (slide[4] * s_13_0 + slide[5] * s_13_1);
+    const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
+    const double AB_2 = A * A + t1 * t1;
+    const double radicand_a = AB_2 - C * C;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
+    const double t2 = 1.0 / AB_2;
+    const double root = sqrt(radicand_a) * t2;
+    const double middle = C * t2;
+    const double t3 = A * middle;
+    const double t4 = t1 * root;
+    const double cos_1 = t3 + t4;
+    const double t5 = A * root;
+    const double t6 = t1 * middle;
+    const double sin_1 = t5 - t6;
+    const double q_2_1_0 = s_12_0 * cos_1 + s_12_1 * sin_1;
+    const double q_2_1_1 = s_12_1 * cos_1 - s_12_0 * sin_1;
+    const double q_3_1_0 = s_13_0 * cos_1 + s_13_1 * sin_1;
+    const double q_3_1_1 = s_13_1 * cos_1 - s_13_0 * sin_1;
+    const double g_2_1 = slide[2] * q_2_1_1 - distance[1] - slide[3] * q_2_1_0;
+    const double g_3_1 = slide[4] * q_3_1_1 - distance[2] - slide[5] * q_3_1_0;
+    const double t7 = slide[4] * distance[0];
+    const double t8 = lambda_1 * (slide[4] * g_2_1 - slide[2] * g_3_1) + lambda_2 * (slide[0] * g_3_1 + t7);
+    const double t9 = slide[2] * distance[0];
+    const double t10 = 1.0 / lambda_2_a;
+    const double o_1_0 = (t8 - lambda_3 * (t9 + slide[0] * g_2_1)) * t10; /* Q^T (p - s_1) */
+    const double t11 = slide[5] * distance[0];
+    const double t12 = lambda_1 * (slide[5] * g_2_1 - slide[3] * g_3_1) + lambda_2 * (slide[1] * g_3_1 + t11);
+    const double t13 = slide[3] * distance[0];
+    const double o_1_1 = t10 * (t12 - lambda_3 * (t13 + slide[1] * g_2_1)); /* Q^T (p - s_1) */
+    const double S_2_1_0 = q_2_1_0 - o_1_0; /* S_i in the platform frame */
+    const double S_2_1_1 = q_2_1_1 - o_1_1;
+    const double S_3_1_0 = q_3_1_0 - o_1_0;
+    const double S_3_1_1 = q_3_1_1 - o_1_1;
+    const double cos_2 = t3 - t4;
+    const double t14 = t5 + t6;
+    const double sin_2 = -t14;
+    const double q_2_2_0 = s_12_0 * cos_2 - s_12_1 * t14;
+    const double q_2_2_1 = s_12_1 * cos_2 + s_12_0 * t14;
+    const double q_3_2_0 = s_13_0 * cos_2 - s_13_1 * t14;
+    const double q_3_2_1 = s_13_1 * cos_2 + s_13_0 * t14;
+    const double g_2_2 = slide[2] * q_2_2_1 - distance[1] - slide[3] * q_2_2_0;
+    const double g_3_2 = slide[4] * q_3_2_1 - distance[2] - slide[5] * q_3_2_0;
+    const double t15 = lambda_1 * (slide[4] * g_2_2 - slide[2] * g_3_2) + lambda_2 * (t7 + slide[0] * g_3_2);
+    const double o_2_0 = t10 * (t15 - lambda_3 * (t9 + slide[0] * g_2_2)); /* Q^T (p - s_1) */
+    const double t16 = lambda_1 * (slide[5] * g_2_2 - slide[3] * g_3_2) + lambda_2 * (t11 + slide[1] * g_3_2);
+    const double o_2_1 = t10 * (t16 - lambda_3 * (t13 + slide[1] * g_2_2)); /* Q^T (p - s_1) */
+    const double S_2_2_0 = q_2_2_0 - o_2_0; /* S_i in the platform frame */
+    const double S_2_2_1 = q_2_2_1 - o_2_1;
+    const double S_3_2_0 = q_3_2_0 - o_2_0;
+    const double S_3_2_1 = q_3_2_1 - o_2_1;
+    const double t17 = slide[0] * o_1_0 + slide[1] * o_1_1;
+    const double t18 = slide[2] * S_2_1_0 + slide[3] * S_2_1_1;
+    const double t19 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
+    const double t20 = slide[0] * o_2_0 + slide[1] * o_2_1;
+    const double t21 = slide[2] * S_2_2_0 + slide[3] * S_2_2_1;
+    const double t22 = slide[4] * S_3_2_0 + slide[5] * S_3_2_1;
+    radicand[0] = radicand_a;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + cos_1 * o_1_0 - sin_1 * o_1_1;
+    p[1] = s[1] + cos_1 * o_1_1 + sin_1 * o_1_0;
+    p[2] = s[0] + cos_2 * o_2_0 + t14 * o_2_1;
+    p[3] = s[1] + cos_2 * o_2_1 - t14 * o_2_0;
+    redundant[0] = -(start[0] + t17);
+    redundant[1] = t18 - start[1];
+    redundant[2] = t19 - start[2];
+    redundant[3] = -(start[0] + t20);
+    redundant[4] = t21 - start[1];
+    redundant[5] = t22 - start[2];
+    det_J[0] = lambda_2 * t18 - lambda_1 * t17 + lambda_3 * t19;
+    det_J[1] = lambda_2 * t21 - lambda_1 * t20 + lambda_3 * t22;
+    *count = 2.0;
+    tail_y[0] = sin_1;
+    tail_y[1] = sin_2;
+    tail_x[0] = cos_1;
+    tail_x[1] = cos_2;
+}
+
+/* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.8).  (56
+ * add, 82 multiply, 3 divide, 1 square root) */
+static inline void krhpr_platform_planar_b_assembly_mode(
+    const double s[6], const double slide[6], const double distance[3], const double start[3], double side,
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double A = lambda_2 * (slide[2] * s_12_1 - slide[3] * s_12_0) + lambda_3 * (slide[4] * s_13_1 - slide[5] * s_13_0);
+    const double t1 = lambda_2 * (slide[2] * s_12_0 + slide[3] * s_12_1) + lambda_3 * (slide[4] * s_13_0 + slide[5] * s_13_1);
+    const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
+    const double AB_2 = A * A + t1 * t1;
+    const double radicand_a = AB_2 - C * C;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
+    const double t2 = 1.0 / AB_2;
+    const double root = sqrt(radicand_a) * t2;
+    const double middle = C * t2;
+    const double cos = A * middle + side * (t1 * root);
+    const double sin = side * (A * root) - t1 * middle;
+    const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
+    const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
+    const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
+    const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
+    const double g_2 = slide[2] * q_2_1 - distance[1] - slide[3] * q_2_0;
+    const double g_3 = slide[4] * q_3_1 - distance[2] - slide[5] * q_3_0;
+    const double t3 = lambda_1 * (slide[4] * g_2 - slide[2] * g_3) + lambda_2 * (slide[0] * g_3 + slide[4] * distance[0]);
+    const double t4 = 1.0 / lambda_2_a;
+    const double o_0 = (t3 - lambda_3 * (slide[2] * distance[0] + slide[0] * g_2)) * t4; /* Q^T (p - s_1) */
+    const double t5 = lambda_1 * (slide[5] * g_2 - slide[3] * g_3) + lambda_2 * (slide[1] * g_3 + slide[5] * distance[0]);
+    const double o_1 = t4 * (t5 - lambda_3 * (slide[3] * distance[0] + slide[1] * g_2)); /* Q^T (p - s_1) */
+    const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
+    const double S_2_1 = q_2_1 - o_1;
+    const double S_3_0 = q_3_0 - o_0;
+    const double S_3_1 = q_3_1 - o_1;
+    radicand[0] = radicand_a;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + cos * o_0 - sin * o_1;
+    p[1] = s[1] + cos * o_1 + sin * o_0;
+    redundant[0] = -(start[0] + (slide[0] * o_0 + slide[1] * o_1));
+    redundant[1] = slide[2] * S_2_0 + slide[3] * S_2_1 - start[1];
+    redundant[2] = slide[4] * S_3_0 + slide[5] * S_3_1 - start[2];
+    tail_y[0] = sin;
+    tail_x[0] = cos;
 }
 
 #endif

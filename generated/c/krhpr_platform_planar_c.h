@@ -237,4 +237,147 @@ static inline void krhpr_platform_planar_c_type_2(
     margins[0] = det_a;
 }
 
+/* How the leg holds the platform, for the forward kinematics.  (no operations) */
+static inline void krhpr_platform_planar_c_tie(
+    const krhpr_platform_planar_c_geometry *g, double *KRHPR_RESTRICT slide)
+{
+    slide[0] = g->t[0];
+    slide[1] = g->t[1];
+}
+
+/* Both poses of the platform that hold the three end points.  Thesis: (2.13).  (67 add, 98 multiply, 3
+ * divide, 1 square root) */
+static inline void krhpr_platform_planar_c_assembly_modes(
+    const double s[6], const double slide[6], double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double A = lambda_2 * (slide[2] * s_12_1 - slide[3] * s_12_0) + lambda_3 * (slide[4] * s_13_1 - slide[5] * s_13_0);
+    const double t1 = lambda_2 * (slide[2] * s_12_0 + slide[3] * s_12_1) + lambda_3 * (slide[4] * s_13_0 + slide[5] * s_13_1);
+    const double AB_2 = A * A + t1 * t1;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
+    const double root = 1.0 / sqrt(AB_2);
+    const double cos_1 = t1 * root;
+    const double sin_1 = A * root;
+    const double q_2_1_0 = s_12_0 * cos_1 + s_12_1 * sin_1;
+    const double t2 = s_12_1 * cos_1;
+    const double t3 = s_12_0 * sin_1;
+    const double q_2_1_1 = t2 - t3;
+    const double q_3_1_0 = s_13_0 * cos_1 + s_13_1 * sin_1;
+    const double t4 = s_13_1 * cos_1;
+    const double t5 = s_13_0 * sin_1;
+    const double q_3_1_1 = t4 - t5;
+    const double t6 = slide[3] * q_2_1_0;
+    const double g_2_1 = slide[2] * q_2_1_1 - t6;
+    const double t7 = slide[5] * q_3_1_0;
+    const double g_3_1 = slide[4] * q_3_1_1 - t7;
+    const double t8 = lambda_2 * g_3_1;
+    const double t9 = lambda_3 * g_2_1;
+    const double t10 = lambda_1 * (slide[4] * g_2_1 - slide[2] * g_3_1) + slide[0] * t8 - slide[0] * t9;
+    const double t11 = 1.0 / lambda_2_a;
+    const double o_1_0 = t10 * t11; /* Q^T (p - s_1) */
+    const double t12 = lambda_1 * (slide[5] * g_2_1 - slide[3] * g_3_1) + slide[1] * t8 - slide[1] * t9;
+    const double o_1_1 = t11 * t12; /* Q^T (p - s_1) */
+    const double S_2_1_0 = q_2_1_0 - o_1_0; /* S_i in the platform frame */
+    const double S_2_1_1 = q_2_1_1 - o_1_1;
+    const double S_3_1_0 = q_3_1_0 - o_1_0;
+    const double S_3_1_1 = q_3_1_1 - o_1_1;
+    const double cos_2 = -cos_1;
+    const double sin_2 = -sin_1;
+    const double q_2_2_1 = t3 - t2;
+    const double q_3_2_1 = t5 - t4;
+    const double g_2_2 = t6 + slide[2] * q_2_2_1;
+    const double g_3_2 = t7 + slide[4] * q_3_2_1;
+    const double t13 = lambda_2 * g_3_2;
+    const double t14 = lambda_3 * g_2_2;
+    const double t15 = lambda_1 * (slide[4] * g_2_2 - slide[2] * g_3_2) + slide[0] * t13 - slide[0] * t14;
+    const double o_2_0 = t11 * t15; /* Q^T (p - s_1) */
+    const double t16 = lambda_1 * (slide[5] * g_2_2 - slide[3] * g_3_2) + slide[1] * t13 - slide[1] * t14;
+    const double o_2_1 = t11 * t16; /* Q^T (p - s_1) */
+    const double S_2_2_1 = q_2_2_1 - o_2_1; /* S_i in the platform frame */
+    const double S_3_2_1 = q_3_2_1 - o_2_1;
+    const double t17 = slide[0] * o_1_0 + slide[1] * o_1_1;
+    const double redundant_01 = slide[2] * S_2_1_0 + slide[3] * S_2_1_1;
+    const double redundant_02 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
+    const double t18 = slide[0] * o_2_0 + slide[1] * o_2_1;
+    const double redundant_11 = slide[3] * S_2_2_1 - slide[2] * (q_2_1_0 + o_2_0);
+    const double redundant_12 = slide[5] * S_3_2_1 - slide[4] * (q_3_1_0 + o_2_0);
+    radicand[0] = AB_2;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + cos_1 * o_1_0 - sin_1 * o_1_1;
+    p[1] = s[1] + cos_1 * o_1_1 + sin_1 * o_1_0;
+    p[2] = s[0] - cos_1 * o_2_0 + sin_1 * o_2_1;
+    p[3] = s[1] - cos_1 * o_2_1 - sin_1 * o_2_0;
+    redundant[0] = -t17;
+    redundant[1] = redundant_01;
+    redundant[2] = redundant_02;
+    redundant[3] = -t18;
+    redundant[4] = redundant_11;
+    redundant[5] = redundant_12;
+    det_J[0] = lambda_2 * redundant_01 - lambda_1 * t17 + lambda_3 * redundant_02;
+    det_J[1] = lambda_2 * redundant_11 - lambda_1 * t18 + lambda_3 * redundant_12;
+    *count = 2.0;
+    tail_y[0] = sin_1;
+    tail_y[1] = sin_2;
+    tail_x[0] = cos_1;
+    tail_x[1] = cos_2;
+}
+
+/* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.13).  (42
+ * add, 68 multiply, 3 divide, 1 square root) */
+static inline void krhpr_platform_planar_c_assembly_mode(
+    const double s[6], const double slide[6], double side, double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double A = lambda_2 * (slide[2] * s_12_1 - slide[3] * s_12_0) + lambda_3 * (slide[4] * s_13_1 - slide[5] * s_13_0);
+    const double t1 = lambda_2 * (slide[2] * s_12_0 + slide[3] * s_12_1) + lambda_3 * (slide[4] * s_13_0 + slide[5] * s_13_1);
+    const double AB_2 = A * A + t1 * t1;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
+    const double root = 1.0 / sqrt(AB_2);
+    const double cos = side * (t1 * root);
+    const double sin = side * (A * root);
+    const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
+    const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
+    const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
+    const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
+    const double g_2 = slide[2] * q_2_1 - slide[3] * q_2_0;
+    const double g_3 = slide[4] * q_3_1 - slide[5] * q_3_0;
+    const double t2 = lambda_2 * g_3;
+    const double t3 = lambda_3 * g_2;
+    const double t4 = 1.0 / lambda_2_a;
+    const double o_0 = (lambda_1 * (slide[4] * g_2 - slide[2] * g_3) + slide[0] * t2 - slide[0] * t3) * t4; /* Q^T (p - s_1) */
+    const double o_1 = t4 * (lambda_1 * (slide[5] * g_2 - slide[3] * g_3) + slide[1] * t2 - slide[1] * t3);
+    const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
+    const double S_2_1 = q_2_1 - o_1;
+    const double S_3_0 = q_3_0 - o_0;
+    const double S_3_1 = q_3_1 - o_1;
+    radicand[0] = AB_2;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + cos * o_0 - sin * o_1;
+    p[1] = s[1] + cos * o_1 + sin * o_0;
+    redundant[0] = -(slide[0] * o_0 + slide[1] * o_1);
+    redundant[1] = slide[2] * S_2_0 + slide[3] * S_2_1;
+    redundant[2] = slide[4] * S_3_0 + slide[5] * S_3_1;
+    tail_y[0] = sin;
+    tail_x[0] = cos;
+}
+
 #endif

@@ -18,25 +18,31 @@ typedef struct {
     double l_r; /* redundant link, from S_i outwards to its slider (m) */
     double t[2]; /* t_i, along the slide */
     double m[2]; /* m_i, S_i where d_i = 0 */
-    double k[4]; /* sub-expressions of the geometry alone, computed once */
+    double k[6]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_spatial_b_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (1 add, 6 multiply, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (3 add, 6 multiply, 1 sine cosine) */
 static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geometry *g)
 {
     double t1, t_1; krhpr_sincos(g->platform_azimuth, &t1, &t_1);
     const double t2 = g->R_p - g->l_r;
     const double m_0 = t_1 * t2;
     const double m_1 = t1 * t2;
+    const double t3 = t1 * m_0;
+    const double k_1 = t_1 * m_1;
+    const double k_2 = t_1 * m_0;
+    const double t4 = t1 * m_1;
     g->t[0] = -t1;
     g->t[1] = t_1;
     g->m[0] = m_0;
     g->m[1] = m_1;
-    g->k[0] = -t1 * m_0;
-    g->k[1] = t_1 * m_1;
-    g->k[2] = t_1 * m_0;
-    g->k[3] = -t1 * m_1;
+    g->k[0] = -t3;
+    g->k[1] = k_1;
+    g->k[2] = k_2;
+    g->k[3] = -t4;
+    g->k[4] = k_2 + t4;
+    g->k[5] = k_1 - t3;
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
@@ -352,6 +358,250 @@ static inline void krhpr_platform_spatial_b_type_2(
     type_2[1] = det_n;
     margins[0] = -det_a;
     margins[1] = det_n;
+}
+
+/* How the leg holds the platform, for the forward kinematics.  (no operations) */
+static inline void krhpr_platform_spatial_b_tie(
+    const krhpr_platform_spatial_b_geometry *g, double *KRHPR_RESTRICT slide,
+    double *KRHPR_RESTRICT distance, double *KRHPR_RESTRICT start)
+{
+    slide[0] = g->t[0];
+    slide[1] = g->t[1];
+    *distance = g->k[4];
+    *start = g->k[5];
+}
+
+/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 209
+ * multiply, 7 divide, 3 square root, 1 select) */
+static inline void krhpr_platform_spatial_b_assembly_modes(
+    const double s[9], const double slide[6], const double distance[3], const double start[3], double turned,
+    double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double t1 = lambda_3 + (lambda_1 + lambda_2);
+    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double area = sqrt(s_n_2_a);
+    const double t2 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t2; /* (3.1) */
+    const double x_1_1 = s_12_1 * t2;
+    const double x_1_2 = s_12_2 * t2;
+    const double t3 = 1.0 / area;
+    const double z_1_0 = turned * (s_n_0 * sense) * t3; /* (3.2) */
+    const double z_1_1 = t3 * (turned * (s_n_1 * sense));
+    const double z_1_2 = t3 * (turned * (s_n_2 * sense));
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + v_1 * (slide[3] * lambda_2);
+    const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
+    const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
+    const double AB_2 = A * A + B * B;
+    const double radicand_a = AB_2 - C * C;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double t4 = 1.0 / AB_2;
+    const double root = sqrt(radicand_a) * t4;
+    const double middle = C * t4;
+    const double t5 = A * middle;
+    const double t6 = B * root;
+    const double cos_1 = t5 + t6;
+    const double t7 = B * middle;
+    const double t8 = A * root;
+    const double sin_1 = t7 - t8;
+    const double q_2_1_0 = v_1 * cos_1;
+    const double q_2_1_1 = v_1 * (t8 - t7);
+    const double q_3_1_0 = r_3_0 * cos_1 + r_3_1 * sin_1;
+    const double q_3_1_1 = r_3_1 * cos_1 - r_3_0 * sin_1;
+    const double g_2_1 = slide[3] * q_2_1_0 - distance[1] - slide[2] * q_2_1_1;
+    const double g_3_1 = slide[5] * q_3_1_0 - distance[2] - slide[4] * q_3_1_1;
+    const double t9 = slide[4] * distance[0];
+    const double t10 = lambda_1 * (slide[2] * g_3_1 - slide[4] * g_2_1) - lambda_2 * (t9 + slide[0] * g_3_1);
+    const double t11 = slide[2] * distance[0];
+    const double t12 = 1.0 / lambda_2_a;
+    const double o_1_0 = (t10 + lambda_3 * (slide[0] * g_2_1 + t11)) * t12; /* Q^T (p - s_1) */
+    const double t13 = slide[5] * distance[0];
+    const double t14 = lambda_1 * (slide[3] * g_3_1 - slide[5] * g_2_1) - lambda_2 * (t13 + slide[1] * g_3_1);
+    const double t15 = slide[3] * distance[0];
+    const double o_1_1 = t12 * (t14 + lambda_3 * (slide[1] * g_2_1 + t15)); /* Q^T (p - s_1) */
+    const double S_2_1_0 = q_2_1_0 - o_1_0; /* S_i in the platform frame */
+    const double S_2_1_1 = q_2_1_1 - o_1_1;
+    const double S_3_1_0 = q_3_1_0 - o_1_0;
+    const double S_3_1_1 = q_3_1_1 - o_1_1;
+    const double cos_2 = t5 - t6;
+    const double sin_2 = t7 + t8;
+    const double q_2_2_0 = v_1 * cos_2;
+    const double t16 = v_1 * sin_2;
+    const double q_3_2_0 = r_3_0 * cos_2 + r_3_1 * sin_2;
+    const double q_3_2_1 = r_3_1 * cos_2 - r_3_0 * sin_2;
+    const double g_2_2 = slide[3] * q_2_2_0 - distance[1] + slide[2] * t16;
+    const double g_3_2 = slide[5] * q_3_2_0 - distance[2] - slide[4] * q_3_2_1;
+    const double t17 = lambda_1 * (slide[2] * g_3_2 - slide[4] * g_2_2) - lambda_2 * (t9 + slide[0] * g_3_2);
+    const double o_2_0 = t12 * (t17 + lambda_3 * (t11 + slide[0] * g_2_2)); /* Q^T (p - s_1) */
+    const double t18 = lambda_1 * (slide[3] * g_3_2 - slide[5] * g_2_2) - lambda_2 * (t13 + slide[1] * g_3_2);
+    const double o_2_1 = t12 * (t18 + lambda_3 * (t15 + slide[1] * g_2_2)); /* Q^T (p - s_1) */
+    const double S_2_2_0 = q_2_2_0 - o_2_0; /* S_i in the platform frame */
+    const double t19 = t16 + o_2_1;
+    const double S_3_2_0 = q_3_2_0 - o_2_0; /* S_i in the platform frame */
+    const double S_3_2_1 = q_3_2_1 - o_2_1;
+    const double t20 = cos_1 * o_1_0 - sin_1 * o_1_1;
+    const double t21 = cos_1 * o_1_1 + sin_1 * o_1_0;
+    const double t22 = cos_2 * o_2_0 - sin_2 * o_2_1;
+    const double t23 = cos_2 * o_2_1 + sin_2 * o_2_0;
+    const double t24 = slide[0] * o_1_0 + slide[1] * o_1_1;
+    const double t25 = slide[2] * S_2_1_0 + slide[3] * S_2_1_1;
+    const double t26 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
+    const double t27 = slide[0] * o_2_0 + slide[1] * o_2_1;
+    const double t28 = slide[2] * S_2_2_0;
+    const double t29 = slide[3] * t19;
+    const double t30 = slide[4] * S_3_2_0 + slide[5] * S_3_2_1;
+    const double t31 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0;
+    const double t32 = o_2_0 * t19 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0;
+    const double det_J_1 = (lambda_1 * t27 + lambda_2 * (t29 - t28) - lambda_3 * t30) * (t32 + t19 * S_3_2_0);
+    flatness[0] = flatness_0;
+    radicand[0] = radicand_a;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + x_1_0 * t20 + y_1_0 * t21;
+    p[1] = s[1] + x_1_1 * t20 + y_1_1 * t21;
+    p[2] = s[2] + x_1_2 * t20 + y_1_2 * t21;
+    p[3] = s[0] + x_1_0 * t22 + y_1_0 * t23;
+    p[4] = s[1] + x_1_1 * t22 + y_1_1 * t23;
+    p[5] = s[2] + x_1_2 * t22 + y_1_2 * t23;
+    Q[0] = x_1_0 * cos_1 + y_1_0 * sin_1;
+    Q[1] = y_1_0 * cos_1 - x_1_0 * sin_1;
+    Q[2] = z_1_0;
+    Q[3] = x_1_1 * cos_1 + y_1_1 * sin_1;
+    Q[4] = y_1_1 * cos_1 - x_1_1 * sin_1;
+    Q[5] = z_1_1;
+    Q[6] = x_1_2 * cos_1 + y_1_2 * sin_1;
+    Q[7] = y_1_2 * cos_1 - x_1_2 * sin_1;
+    Q[8] = z_1_2;
+    Q[9] = x_1_0 * cos_2 + y_1_0 * sin_2;
+    Q[10] = y_1_0 * cos_2 - x_1_0 * sin_2;
+    Q[11] = z_1_0;
+    Q[12] = x_1_1 * cos_2 + y_1_1 * sin_2;
+    Q[13] = y_1_1 * cos_2 - x_1_1 * sin_2;
+    Q[14] = z_1_1;
+    Q[15] = x_1_2 * cos_2 + y_1_2 * sin_2;
+    Q[16] = y_1_2 * cos_2 - x_1_2 * sin_2;
+    Q[17] = z_1_2;
+    redundant[0] = -(start[0] + t24);
+    redundant[1] = t25 - start[1];
+    redundant[2] = t26 - start[2];
+    redundant[3] = -(start[0] + t27);
+    redundant[4] = t28 - t29 - start[1];
+    redundant[5] = t30 - start[2];
+    det_J[0] = (lambda_1 * t24 - lambda_2 * t25 - lambda_3 * t26) * (t31 - S_2_1_1 * S_3_1_0);
+    det_J[1] = det_J_1;
+    *count = 2.0;
+}
+
+/* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
+ * (2.21).  (82 add, 134 multiply, 7 divide, 3 square root, 1 select) */
+static inline void krhpr_platform_spatial_b_assembly_mode(
+    const double s[9], const double slide[6], const double distance[3], const double start[3], double side,
+    double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double t1 = lambda_3 + (lambda_1 + lambda_2);
+    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double area = sqrt(s_n_2_a);
+    const double t2 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t2; /* (3.1) */
+    const double x_1_1 = s_12_1 * t2;
+    const double x_1_2 = s_12_2 * t2;
+    const double t3 = 1.0 / area;
+    const double z_1_0 = s_n_0 * sense * t3; /* (3.2) */
+    const double z_1_1 = t3 * (s_n_1 * sense);
+    const double z_1_2 = t3 * (s_n_2 * sense);
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + v_1 * (slide[3] * lambda_2);
+    const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
+    const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
+    const double AB_2 = A * A + B * B;
+    const double radicand_a = AB_2 - C * C;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double t4 = 1.0 / AB_2;
+    const double root = sqrt(radicand_a) * t4;
+    const double middle = C * t4;
+    const double cos = A * middle + side * (B * root);
+    const double t5 = B * middle;
+    const double t6 = side * (A * root);
+    const double sin = t5 - t6;
+    const double q_2_0 = v_1 * cos;
+    const double q_2_1 = v_1 * (t6 - t5);
+    const double q_3_0 = r_3_0 * cos + r_3_1 * sin;
+    const double q_3_1 = r_3_1 * cos - r_3_0 * sin;
+    const double g_2 = slide[3] * q_2_0 - distance[1] - slide[2] * q_2_1;
+    const double g_3 = slide[5] * q_3_0 - distance[2] - slide[4] * q_3_1;
+    const double t7 = lambda_1 * (slide[2] * g_3 - slide[4] * g_2) - lambda_2 * (slide[4] * distance[0] + slide[0] * g_3);
+    const double t8 = 1.0 / lambda_2_a;
+    const double o_0 = (t7 + lambda_3 * (slide[0] * g_2 + slide[2] * distance[0])) * t8; /* Q^T (p - s_1) */
+    const double t9 = lambda_1 * (slide[3] * g_3 - slide[5] * g_2) - lambda_2 * (slide[5] * distance[0] + slide[1] * g_3);
+    const double o_1 = t8 * (t9 + lambda_3 * (slide[1] * g_2 + slide[3] * distance[0])); /* Q^T (p - s_1) */
+    const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
+    const double S_2_1 = q_2_1 - o_1;
+    const double S_3_0 = q_3_0 - o_0;
+    const double S_3_1 = q_3_1 - o_1;
+    const double t10 = cos * o_0 - sin * o_1;
+    const double t11 = cos * o_1 + sin * o_0;
+    flatness[0] = flatness_0;
+    radicand[0] = radicand_a;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + x_1_0 * t10 + y_1_0 * t11;
+    p[1] = s[1] + x_1_1 * t10 + y_1_1 * t11;
+    p[2] = s[2] + x_1_2 * t10 + y_1_2 * t11;
+    Q[0] = x_1_0 * cos + y_1_0 * sin;
+    Q[1] = y_1_0 * cos - x_1_0 * sin;
+    Q[2] = z_1_0;
+    Q[3] = x_1_1 * cos + y_1_1 * sin;
+    Q[4] = y_1_1 * cos - x_1_1 * sin;
+    Q[5] = z_1_1;
+    Q[6] = x_1_2 * cos + y_1_2 * sin;
+    Q[7] = y_1_2 * cos - x_1_2 * sin;
+    Q[8] = z_1_2;
+    redundant[0] = -(start[0] + (slide[0] * o_0 + slide[1] * o_1));
+    redundant[1] = slide[2] * S_2_0 + slide[3] * S_2_1 - start[1];
+    redundant[2] = slide[4] * S_3_0 + slide[5] * S_3_1 - start[2];
 }
 
 #endif

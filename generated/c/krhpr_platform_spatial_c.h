@@ -336,4 +336,238 @@ static inline void krhpr_platform_spatial_c_type_2(
     margins[1] = det_n;
 }
 
+/* How the leg holds the platform, for the forward kinematics.  (no operations) */
+static inline void krhpr_platform_spatial_c_tie(
+    const krhpr_platform_spatial_c_geometry *g, double *KRHPR_RESTRICT slide)
+{
+    slide[0] = g->t[0];
+    slide[1] = g->t[1];
+}
+
+/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 184
+ * multiply, 7 divide, 3 square root, 1 select) */
+static inline void krhpr_platform_spatial_c_assembly_modes(
+    const double s[9], const double slide[6], double turned, double *KRHPR_RESTRICT flatness,
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT count)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double t1 = lambda_3 + (lambda_1 + lambda_2);
+    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double area = sqrt(s_n_2_a);
+    const double t2 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t2; /* (3.1) */
+    const double x_1_1 = s_12_1 * t2;
+    const double x_1_2 = s_12_2 * t2;
+    const double t3 = 1.0 / area;
+    const double z_1_0 = turned * (s_n_0 * sense) * t3; /* (3.2) */
+    const double z_1_1 = t3 * (turned * (s_n_1 * sense));
+    const double z_1_2 = t3 * (turned * (s_n_2 * sense));
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double t4 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
+    const double t5 = v_1 * (slide[3] * lambda_2);
+    const double A = t4 - t5;
+    const double t6 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
+    const double AB_2 = A * A + t6 * t6;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double root = 1.0 / sqrt(AB_2);
+    const double cos_1 = t6 * root;
+    const double sin_1 = A * root;
+    const double q_2_1_0 = v_1 * cos_1;
+    const double t7 = v_1 * sin_1;
+    const double t8 = r_3_0 * cos_1;
+    const double q_3_1_0 = t8 + r_3_1 * sin_1;
+    const double t9 = r_3_1 * cos_1;
+    const double q_3_1_1 = t9 - r_3_0 * sin_1;
+    const double t10 = slide[3] * q_2_1_0;
+    const double t11 = slide[2] * t7 + t10;
+    const double g_3_1 = slide[4] * q_3_1_1 - slide[5] * q_3_1_0;
+    const double t12 = lambda_2 * g_3_1;
+    const double t13 = lambda_3 * t11;
+    const double t14 = slide[0] * t12 - lambda_1 * (slide[4] * t11 + slide[2] * g_3_1) + slide[0] * t13;
+    const double t15 = 1.0 / lambda_2_a;
+    const double o_1_0 = t14 * t15; /* Q^T (p - s_1) */
+    const double t16 = slide[1] * t12 - lambda_1 * (slide[5] * t11 + slide[3] * g_3_1) + slide[1] * t13;
+    const double o_1_1 = t15 * t16; /* Q^T (p - s_1) */
+    const double S_2_1_0 = q_2_1_0 - o_1_0; /* S_i in the platform frame */
+    const double t17 = t7 + o_1_1;
+    const double S_3_1_0 = q_3_1_0 - o_1_0; /* S_i in the platform frame */
+    const double S_3_1_1 = q_3_1_1 - o_1_1;
+    const double sin_2 = root * (t5 - t4);
+    const double t18 = v_1 * sin_2;
+    const double q_3_2_0 = r_3_1 * sin_2 - t8;
+    const double t19 = t9 + r_3_0 * sin_2;
+    const double g_2_2 = t10 - slide[2] * t18;
+    const double t20 = slide[4] * t19 + slide[5] * q_3_2_0;
+    const double t21 = lambda_2 * t20;
+    const double t22 = lambda_3 * g_2_2;
+    const double t23 = lambda_1 * (slide[4] * g_2_2 + slide[2] * t20) - slide[0] * t21 - slide[0] * t22;
+    const double o_2_0 = t15 * t23; /* Q^T (p - s_1) */
+    const double t24 = lambda_1 * (slide[5] * g_2_2 + slide[3] * t20) - slide[1] * t21 - slide[1] * t22;
+    const double o_2_1 = t15 * t24; /* Q^T (p - s_1) */
+    const double t25 = q_2_1_0 + o_2_0;
+    const double t26 = t18 + o_2_1;
+    const double S_3_2_0 = q_3_2_0 - o_2_0; /* S_i in the platform frame */
+    const double t27 = t19 + o_2_1;
+    const double t28 = cos_1 * o_1_0 - sin_1 * o_1_1;
+    const double t29 = cos_1 * o_1_1 + sin_1 * o_1_0;
+    const double t30 = cos_1 * o_2_0 + sin_2 * o_2_1;
+    const double t31 = sin_2 * o_2_0 - cos_1 * o_2_1;
+    const double t32 = x_1_0 * cos_1;
+    const double t33 = y_1_0 * cos_1;
+    const double t34 = x_1_1 * cos_1;
+    const double t35 = y_1_1 * cos_1;
+    const double t36 = x_1_2 * cos_1;
+    const double t37 = y_1_2 * cos_1;
+    const double t38 = slide[0] * o_1_0 + slide[1] * o_1_1;
+    const double redundant_01 = slide[2] * S_2_1_0 - slide[3] * t17;
+    const double redundant_02 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
+    const double t39 = slide[0] * o_2_0 + slide[1] * o_2_1;
+    const double t40 = slide[2] * t25 + slide[3] * t26;
+    const double redundant_12 = slide[4] * S_3_2_0 - slide[5] * t27;
+    const double t41 = o_1_0 * t17 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0;
+    const double det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t38 + lambda_3 * redundant_02) * (t41 + t17 * S_3_1_0);
+    const double t42 = o_2_0 * t26 - o_2_1 * S_3_2_0 + t25 * t27 - o_2_0 * t27 - o_2_1 * t25 + t26 * S_3_2_0;
+    flatness[0] = flatness_0;
+    radicand[0] = AB_2;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + x_1_0 * t28 + y_1_0 * t29;
+    p[1] = s[1] + x_1_1 * t28 + y_1_1 * t29;
+    p[2] = s[2] + x_1_2 * t28 + y_1_2 * t29;
+    p[3] = s[0] - x_1_0 * t30 + y_1_0 * t31;
+    p[4] = s[1] - x_1_1 * t30 + y_1_1 * t31;
+    p[5] = s[2] - x_1_2 * t30 + y_1_2 * t31;
+    Q[0] = t32 + y_1_0 * sin_1;
+    Q[1] = t33 - x_1_0 * sin_1;
+    Q[2] = z_1_0;
+    Q[3] = t34 + y_1_1 * sin_1;
+    Q[4] = t35 - x_1_1 * sin_1;
+    Q[5] = z_1_1;
+    Q[6] = t36 + y_1_2 * sin_1;
+    Q[7] = t37 - x_1_2 * sin_1;
+    Q[8] = z_1_2;
+    Q[9] = y_1_0 * sin_2 - t32;
+    Q[10] = -(t33 + x_1_0 * sin_2);
+    Q[11] = z_1_0;
+    Q[12] = y_1_1 * sin_2 - t34;
+    Q[13] = -(t35 + x_1_1 * sin_2);
+    Q[14] = z_1_1;
+    Q[15] = y_1_2 * sin_2 - t36;
+    Q[16] = -(t37 + x_1_2 * sin_2);
+    Q[17] = z_1_2;
+    redundant[0] = -t38;
+    redundant[1] = redundant_01;
+    redundant[2] = redundant_02;
+    redundant[3] = -t39;
+    redundant[4] = -t40;
+    redundant[5] = redundant_12;
+    det_J[0] = det_J_0;
+    det_J[1] = (lambda_3 * redundant_12 - (lambda_1 * t39 + lambda_2 * t40)) * t42;
+    *count = 2.0;
+}
+
+/* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.30),
+ * (2.31).  (67 add, 120 multiply, 7 divide, 3 square root, 1 select) */
+static inline void krhpr_platform_spatial_c_assembly_mode(
+    const double s[9], const double slide[6], double side, double *KRHPR_RESTRICT flatness,
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+{
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double t1 = lambda_3 + (lambda_1 + lambda_2);
+    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double area = sqrt(s_n_2_a);
+    const double t2 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t2; /* (3.1) */
+    const double x_1_1 = s_12_1 * t2;
+    const double x_1_2 = s_12_2 * t2;
+    const double t3 = 1.0 / area;
+    const double z_1_0 = s_n_0 * sense * t3; /* (3.2) */
+    const double z_1_1 = t3 * (s_n_1 * sense);
+    const double z_1_2 = t3 * (s_n_2 * sense);
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double A = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0) - v_1 * (slide[3] * lambda_2);
+    const double t4 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
+    const double AB_2 = A * A + t4 * t4;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double root = 1.0 / sqrt(AB_2);
+    const double cos = side * (t4 * root);
+    const double sin = side * (A * root);
+    const double q_2_0 = v_1 * cos;
+    const double t5 = v_1 * sin;
+    const double q_3_0 = r_3_0 * cos + r_3_1 * sin;
+    const double q_3_1 = r_3_1 * cos - r_3_0 * sin;
+    const double t6 = slide[2] * t5 + slide[3] * q_2_0;
+    const double g_3 = slide[4] * q_3_1 - slide[5] * q_3_0;
+    const double t7 = lambda_2 * g_3;
+    const double t8 = lambda_3 * t6;
+    const double t9 = 1.0 / lambda_2_a;
+    const double o_0 = (slide[0] * t7 - lambda_1 * (slide[4] * t6 + slide[2] * g_3) + slide[0] * t8) * t9; /* Q^T (p - s_1) */
+    const double o_1 = t9 * (slide[1] * t7 - lambda_1 * (slide[5] * t6 + slide[3] * g_3) + slide[1] * t8);
+    const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
+    const double S_3_0 = q_3_0 - o_0;
+    const double S_3_1 = q_3_1 - o_1;
+    const double t10 = cos * o_0 - sin * o_1;
+    const double t11 = cos * o_1 + sin * o_0;
+    flatness[0] = flatness_0;
+    radicand[0] = AB_2;
+    breadth[0] = AB_2 / size;
+    p[0] = s[0] + x_1_0 * t10 + y_1_0 * t11;
+    p[1] = s[1] + x_1_1 * t10 + y_1_1 * t11;
+    p[2] = s[2] + x_1_2 * t10 + y_1_2 * t11;
+    Q[0] = x_1_0 * cos + y_1_0 * sin;
+    Q[1] = y_1_0 * cos - x_1_0 * sin;
+    Q[2] = z_1_0;
+    Q[3] = x_1_1 * cos + y_1_1 * sin;
+    Q[4] = y_1_1 * cos - x_1_1 * sin;
+    Q[5] = z_1_1;
+    Q[6] = x_1_2 * cos + y_1_2 * sin;
+    Q[7] = y_1_2 * cos - x_1_2 * sin;
+    Q[8] = z_1_2;
+    redundant[0] = -(slide[0] * o_0 + slide[1] * o_1);
+    redundant[1] = slide[2] * S_2_0 - slide[3] * (t5 + o_1);
+    redundant[2] = slide[4] * S_3_0 + slide[5] * S_3_1;
+}
+
 #endif

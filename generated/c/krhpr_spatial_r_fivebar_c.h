@@ -442,6 +442,49 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_type_2_of_redundant_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates:
+ * two, in closed form, with opposite det J, first the one whose first margin is positive.  Thesis: 3.6; 3.2
+ * for arrangement (a).
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     turned (scalar): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its
+ *          legs, -1 for the one turned over
+ *   out    p (2 x 3, m, base frame): position of O', NaN behind the last
+ *   out    Q (2 x 3 x 3, base frame): orientation, base from platform, NaN behind the last
+ *   out    redundant (2 x 3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed, NaN behind
+ *          the last
+ *   out    det_J (2, mixed, platform frame): det J of each, whose sign tells them apart
+ *   out    count (scalar): number of solutions
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_c_forward_all(
+    const krhpr_spatial_r_fivebar_c_geometry *g, const double s[9], double turned, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT count);
+/* Batch: in = s (9), turned (1); out = p (6), Q (18), redundant (6), det_J (2), count (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_r_fivebar_c_forward_all_batch(
+    const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose of the platform and the redundant coordinates from the actuated joints alone, unique on the
+ * known side of type II: no guess and no extra encoder.  Thesis: 3.6.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   in     assembly (3 x 1): signs of the assembly mode, +1 or -1 [assembly]; NULL for the default
+ *   in     side (scalar): +1 for the side of type II where the first margin is positive, or -1
+ *   out    p (3, m, base frame): position of O'
+ *   out    Q (3 x 3, base frame): orientation, base from platform
+ *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_c_forward(
+    const krhpr_spatial_r_fivebar_c_geometry *g, const double theta[9], const double assembly[3],
+    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant);
+/* Batch: in = theta (9), assembly (3), side (1); out = p (3), Q (9), redundant (3); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_r_fivebar_c_forward_batch(
+    const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

@@ -960,6 +960,131 @@ KRHPR_API int krhpr_spatial_ups3_c_type_2_of_redundant_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_ups3_c_forward_all(
+    const krhpr_spatial_ups3_c_geometry *g, const double s[9], double turned, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT count)
+{
+    int status = KRHPR_OK;
+    double slide[6];
+    double flatness[1];
+    double radicand[1];
+    double breadth[1];
+    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+        krhpr_fill_nan(p, 6);
+        krhpr_fill_nan(Q, 18);
+        krhpr_fill_nan(redundant, 6);
+        krhpr_fill_nan(det_J, 2);
+        krhpr_fill_nan(count, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_assembly_modes(
+        s, slide, turned, flatness, radicand, breadth, p, Q, redundant, det_J, count);
+    if (!(flatness[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(breadth[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(radicand[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 6);
+        krhpr_fill_nan(Q, 18);
+        krhpr_fill_nan(redundant, 6);
+        krhpr_fill_nan(det_J, 2);
+        krhpr_fill_nan(count, 1);
+        *count = 0.0;
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_ups3_c_forward_all_batch(
+    const krhpr_spatial_ups3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_ups3_c_forward_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_spatial_ups3_c_forward(
+    const krhpr_spatial_ups3_c_geometry *g, const double theta[9], const double s_near[9], double side,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+{
+    int status = KRHPR_OK;
+    double s[9];
+    double radicand[3];
+    double slide[6];
+    double flatness[1];
+    double assembly_radicand[1];
+    double breadth[1];
+    if (!(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) + krhpr_taint(&side, 1) == 0.0)) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_ups3_forward(&g->subleg[i], theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_assembly_mode(
+        s, slide, side, flatness, assembly_radicand, breadth, p, Q, redundant);
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+        }
+    }
+    if (!(flatness[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(breadth[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(assembly_radicand[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_ups3_c_forward_batch(
+    const krhpr_spatial_ups3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_ups3_c_forward(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 static const int joint_is_angle[3] = {0, 0, 0};
 
 KRHPR_API int krhpr_spatial_ups3_c_inverse_near(

@@ -298,3 +298,167 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
             det_a,
         ),
     )
+
+
+def tie(g: Any) -> tuple[Any, ...]:
+    """How the leg holds the platform, for the forward kinematics.  (no operations)"""
+    return (
+        g.t[0],
+        g.t[1],
+    )
+
+
+def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
+    """Both poses of the platform that hold the three end points.  Thesis: (2.13).  (67 add, 98
+    multiply, 3 divide, 1 square root, 2 arctangent)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
+    lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
+    lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
+    lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    A = lambda_2 * (slide_10 * s_12_1 - slide_11 * s_12_0) + lambda_3 * (slide_20 * s_13_1 - slide_21 * s_13_0)
+    t1 = lambda_2 * (slide_10 * s_12_0 + slide_11 * s_12_1) + lambda_3 * (slide_20 * s_13_0 + slide_21 * s_13_1)
+    AB_2 = A * A + t1 * t1
+    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    root = 1 / ca.sqrt(AB_2)
+    cos_1 = t1 * root
+    sin_1 = A * root
+    q_2_1_0 = s_12_0 * cos_1 + s_12_1 * sin_1
+    t2 = s_12_1 * cos_1
+    t3 = s_12_0 * sin_1
+    q_2_1_1 = t2 - t3
+    q_3_1_0 = s_13_0 * cos_1 + s_13_1 * sin_1
+    t4 = s_13_1 * cos_1
+    t5 = s_13_0 * sin_1
+    q_3_1_1 = t4 - t5
+    t6 = slide_11 * q_2_1_0
+    g_2_1 = slide_10 * q_2_1_1 - t6
+    t7 = slide_21 * q_3_1_0
+    g_3_1 = slide_20 * q_3_1_1 - t7
+    t8 = lambda_2 * g_3_1
+    t9 = lambda_3 * g_2_1
+    t10 = lambda_1 * (slide_20 * g_2_1 - slide_10 * g_3_1) + slide_00 * t8 - slide_00 * t9
+    t11 = 1 / lambda_2_a
+    o_1_0 = t10 * t11  # Q^T (p - s_1)
+    t12 = lambda_1 * (slide_21 * g_2_1 - slide_11 * g_3_1) + slide_01 * t8 - slide_01 * t9
+    o_1_1 = t11 * t12  # Q^T (p - s_1)
+    S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
+    S_2_1_1 = q_2_1_1 - o_1_1
+    S_3_1_0 = q_3_1_0 - o_1_0
+    S_3_1_1 = q_3_1_1 - o_1_1
+    cos_2 = -cos_1
+    sin_2 = -sin_1
+    q_2_2_1 = t3 - t2
+    q_3_2_1 = t5 - t4
+    g_2_2 = t6 + slide_10 * q_2_2_1
+    g_3_2 = t7 + slide_20 * q_3_2_1
+    t13 = lambda_2 * g_3_2
+    t14 = lambda_3 * g_2_2
+    t15 = lambda_1 * (slide_20 * g_2_2 - slide_10 * g_3_2) + slide_00 * t13 - slide_00 * t14
+    o_2_0 = t11 * t15  # Q^T (p - s_1)
+    t16 = lambda_1 * (slide_21 * g_2_2 - slide_11 * g_3_2) + slide_01 * t13 - slide_01 * t14
+    o_2_1 = t11 * t16  # Q^T (p - s_1)
+    S_2_2_1 = q_2_2_1 - o_2_1  # S_i in the platform frame
+    S_3_2_1 = q_3_2_1 - o_2_1
+    t17 = slide_00 * o_1_0 + slide_01 * o_1_1
+    redundant_01 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
+    redundant_02 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
+    t18 = slide_00 * o_2_0 + slide_01 * o_2_1
+    redundant_11 = slide_11 * S_2_2_1 - slide_10 * (q_2_1_0 + o_2_0)
+    redundant_12 = slide_21 * S_3_2_1 - slide_20 * (q_3_1_0 + o_2_0)
+    return (
+        (  # radicand
+            AB_2,
+        ),
+        (  # breadth
+            AB_2 / size,
+        ),
+        (  # p
+            s_00 + cos_1 * o_1_0 - sin_1 * o_1_1,
+            s_01 + cos_1 * o_1_1 + sin_1 * o_1_0,
+            s_00 - cos_1 * o_2_0 + sin_1 * o_2_1,
+            s_01 - cos_1 * o_2_1 - sin_1 * o_2_0,
+        ),
+        (  # phi
+            ca.atan2(sin_1, cos_1),
+            ca.atan2(sin_2, cos_2),
+        ),
+        (  # redundant
+            -t17,
+            redundant_01,
+            redundant_02,
+            -t18,
+            redundant_11,
+            redundant_12,
+        ),
+        (  # det_J
+            lambda_2 * redundant_01 - lambda_1 * t17 + lambda_3 * redundant_02,
+            lambda_2 * redundant_11 - lambda_1 * t18 + lambda_3 * redundant_12,
+        ),
+        (  # count
+            2,
+        ),
+    )
+
+
+def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
+    """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
+    (2.13).  (42 add, 68 multiply, 3 divide, 1 square root, 1 arctangent)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
+    side, = side
+    lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
+    lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
+    lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    A = lambda_2 * (slide_10 * s_12_1 - slide_11 * s_12_0) + lambda_3 * (slide_20 * s_13_1 - slide_21 * s_13_0)
+    t1 = lambda_2 * (slide_10 * s_12_0 + slide_11 * s_12_1) + lambda_3 * (slide_20 * s_13_0 + slide_21 * s_13_1)
+    AB_2 = A * A + t1 * t1
+    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    root = 1 / ca.sqrt(AB_2)
+    cos = side * (t1 * root)
+    sin = side * (A * root)
+    q_2_0 = s_12_0 * cos + s_12_1 * sin
+    q_2_1 = s_12_1 * cos - s_12_0 * sin
+    q_3_0 = s_13_0 * cos + s_13_1 * sin
+    q_3_1 = s_13_1 * cos - s_13_0 * sin
+    g_2 = slide_10 * q_2_1 - slide_11 * q_2_0
+    g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
+    t2 = lambda_2 * g_3
+    t3 = lambda_3 * g_2
+    t4 = 1 / lambda_2_a
+    o_0 = (lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + slide_00 * t2 - slide_00 * t3) * t4  # Q^T (p - s_1)
+    o_1 = t4 * (lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + slide_01 * t2 - slide_01 * t3)
+    S_2_0 = q_2_0 - o_0  # S_i in the platform frame
+    S_2_1 = q_2_1 - o_1
+    S_3_0 = q_3_0 - o_0
+    S_3_1 = q_3_1 - o_1
+    return (
+        (  # radicand
+            AB_2,
+        ),
+        (  # breadth
+            AB_2 / size,
+        ),
+        (  # p
+            s_00 + cos * o_0 - sin * o_1,
+            s_01 + cos * o_1 + sin * o_0,
+        ),
+        (  # phi
+            ca.atan2(sin, cos),
+        ),
+        (  # redundant
+            -(slide_00 * o_0 + slide_01 * o_1),
+            slide_10 * S_2_0 + slide_11 * S_2_1,
+            slide_20 * S_3_0 + slide_21 * S_3_1,
+        ),
+    )

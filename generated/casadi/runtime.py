@@ -81,11 +81,12 @@ def _matrix(parts: Sequence[Any], rows: int, columns: int) -> Any:
 
 def _pack(port: Port, parts: Sequence[Any]) -> list[tuple[str, Any]]:
     """Results with their names."""
-    if port.layout == "stacked" and len(port.shape) > 2:
+    if port.layout in ("stacked", "shared") and len(port.shape) > 2:
         size = prod(port.shape[1:])
         rows, columns = port.shape[1], prod(port.shape[2:])
         return [
-            (f"{port.name}{leg + 1}", _matrix(parts[size * leg : size * (leg + 1)], rows, columns)) for leg in range(LEGS)
+            (f"{port.name}{first + 1}", _matrix(parts[size * first : size * (first + 1)], rows, columns))
+            for first in range(port.shape[0])
         ]
     if port.layout == "block diagonal":
         rows, columns = port.shape[0] // LEGS, port.shape[1] // LEGS

@@ -559,6 +559,35 @@ def type_2_of_redundant(geometry: Any) -> Any:
     return call.function({"type_2": type_2, "margins": margins})
 
 
+def forward_all(geometry: Any) -> Any:
+    """Every pose of the platform that holds the end points of the sub-legs, with its redundant
+    coordinates: two, in closed form, with opposite det J, first the one whose first margin is
+    positive."""
+    call = rt.Call(
+        "forward_all",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("turned", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2, 3), "shared"),
+            rt.Port("Q", (2, 3, 3), "shared"),
+            rt.Port("redundant", (2, 3), "shared"),
+            rt.Port("det_J", (2,), "shared"),
+            rt.Port("count", (), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+    _flatness, _radicand, _breadth, p, Q, redundant, det_J, count = platform.assembly_modes(
+            call.whole("s"), slide, call.whole("turned"))
+    return call.function({"p": p, "Q": Q, "redundant": redundant, "det_J": det_J, "count": count})
+
+
 FUNCTIONS = {
     "rotation_error": rotation_error,
     "end_points": end_points,
@@ -579,4 +608,5 @@ FUNCTIONS = {
     "link_points": link_points,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
+    "forward_all": forward_all,
 }

@@ -579,6 +579,64 @@ def type_2_of_redundant(geometry: Any) -> Any:
     return call.function({"type_2": type_2, "margins": margins})
 
 
+def forward_all(geometry: Any) -> Any:
+    """Every pose of the platform that holds the end points of the sub-legs, with its redundant
+    coordinates: two, in closed form, with opposite det J, first the one whose first margin is
+    positive."""
+    call = rt.Call(
+        "forward_all",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("turned", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2, 3), "shared"),
+            rt.Port("Q", (2, 3, 3), "shared"),
+            rt.Port("redundant", (2, 3), "shared"),
+            rt.Port("det_J", (2,), "shared"),
+            rt.Port("count", (), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+    _flatness, _radicand, _breadth, p, Q, redundant, det_J, count = platform.assembly_modes(
+            call.whole("s"), slide, call.whole("turned"))
+    return call.function({"p": p, "Q": Q, "redundant": redundant, "det_J": det_J, "count": count})
+
+
+def forward(geometry: Any) -> Any:
+    """The pose of the platform and the redundant coordinates from the actuated joints alone, unique on
+    the known side of type II: no guess and no extra encoder."""
+    call = rt.Call(
+        "forward",
+        (
+            rt.Port("theta", (3, 3), "stacked"),
+            rt.Port("side", (), "shared"),
+        ),
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("redundant", (3,), "shared"),
+        ),
+        geometry,
+    )
+    s: list[Any] = []
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        s_i, _radicand = subleg.forward(subleg.prepare(fields), call.leg("theta", i))
+        slide_i = platform.tie(platform.prepare(fields))
+        s += s_i
+        slide += slide_i
+    _flatness, _assembly_radicand, _breadth, p, Q, redundant = platform.assembly_mode(
+            s, slide, call.whole("side"))
+    return call.function({"p": p, "Q": Q, "redundant": redundant})
+
+
 FUNCTIONS = {
     "rotation_error": rotation_error,
     "end_points": end_points,
@@ -600,4 +658,6 @@ FUNCTIONS = {
     "link_points": link_points,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
+    "forward_all": forward_all,
+    "forward": forward,
 }

@@ -45,6 +45,8 @@ class Status(IntEnum):
     """several answers cannot be told apart"""
     INVALID_INPUT = 11
     """an input is NaN or infinite"""
+    NO_ASSEMBLY = 12
+    """no platform fits the three end points"""
 
 
 class Port(NamedTuple):
@@ -71,7 +73,7 @@ class Signature(NamedTuple):
 
 
 class Guard(NamedTuple):
-    """A value that must keep a limit; where it does not, the status and the results that are then NaN."""
+    """A value that must keep a limit; where it does not, the status, and the results that are then NaN or 0."""
 
     value: Any
     at_least: bool
@@ -79,6 +81,7 @@ class Guard(NamedTuple):
     status: Status
     per_leg: bool
     spoils: tuple[str, ...]
+    empties: tuple[str, ...] = ()
 
 
 class Arguments:
@@ -138,6 +141,7 @@ class Arguments:
         """The results packed into arrays, NaN where there is no answer, and the status as the last one."""
         status = np.zeros(self.batch, dtype=np.int32)
         failed: dict[str, Any] = {}  # result -> where its legs have no answer, (3, batch...)
+        emptied: dict[str, Any] = {}  # result -> where it is 0, (batch...)
         for guard in guards:
             value = np.asarray(guard.value)
             kept = value >= guard.limit if guard.at_least else value <= guard.limit
@@ -147,6 +151,8 @@ class Arguments:
                 status = np.where((status == 0) & bad[leg], code, status)
             for name in guard.spoils:
                 failed[name] = failed.get(name, False) | bad
+            for name in guard.empties:
+                emptied[name] = emptied.get(name, False) | bad.any(axis=0)
         invalid = np.zeros(self.batch, dtype=bool)
         for port in self.signature.inputs:
             array = self.arrays[port.name]
@@ -160,6 +166,8 @@ class Arguments:
             if array.dtype != object:
                 if port.name in failed:
                     self._fill(port, array, failed[port.name])
+                if port.name in emptied:
+                    array[emptied[port.name]] = 0.0
                 array[np.broadcast_to(invalid, self.batch)] = np.nan
             packed.append(array)
         return (*packed, status.astype(np.int32))

@@ -31,6 +31,8 @@ __all__ = [
     "Status",
     "constraints",
     "end_points",
+    "forward",
+    "forward_all",
     "inverse",
     "inverse_all",
     "inverse_near",
@@ -497,6 +499,39 @@ SIGNATURES = {
         ),
         "(3)->(2),(2),()",
     ),
+    "forward_all": rt.Signature(
+        "forward_all",
+        "Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: two, in closed form, with opposite det J, first the one whose first margin is positive.",
+        "3.6; 3.2 for arrangement (a)",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("turned", (), "1", "-", "+1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its legs, -1 for the one turned over", "shared", ()),
+        ),
+        (
+            rt.Port("p", (2, 3), "m", "base", "position of O', NaN behind the last", "shared", ()),
+            rt.Port("Q", (2, 3, 3), "1", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
+            rt.Port("redundant", (2, 3), "m", "joint", "slide d_i of S_i along t_i = e_t, signed, NaN behind the last", "shared", ()),
+            rt.Port("det_J", (2,), "mixed", "platform", "det J of each, whose sign tells them apart", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+        ),
+        "(3,3),()->(2,3),(2,3,3),(2,3),(2),(),()",
+    ),
+    "forward": rt.Signature(
+        "forward",
+        "The pose of the platform and the redundant coordinates from the actuated joints alone, unique on the known side of type II: no guess and no extra encoder.",
+        "3.6",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
+            rt.Port("s_near", (3, 3), "m", "base", "a point near the end point, which chooses the assembly mode", "stacked", ()),
+            rt.Port("side", (), "1", "-", "+1 for the side of type II where the first margin is positive, or -1", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "shared", ()),
+        ),
+        "(3,3),(3,3),()->(3),(3,3),(3),()",
+    ),
 }
 
 
@@ -543,6 +578,24 @@ class Type2OfRedundant(NamedTuple):
 
     type_2: Any
     margins: Any
+
+
+class ForwardAll(NamedTuple):
+    """Results of `forward_all`."""
+
+    p: Any
+    Q: Any
+    redundant: Any
+    det_J: Any
+    count: Any
+
+
+class Forward(NamedTuple):
+    """Results of `forward`."""
+
+    p: Any
+    Q: Any
+    redundant: Any
 
 
 @lru_cache(maxsize=64)
@@ -1304,4 +1357,101 @@ def type_2_of_redundant(
             },
         )
     answer = Type2OfRedundant(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_all(
+    s: Any, turned: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Every pose of the platform that holds the end points of the sub-legs, with its redundant
+    coordinates: two, in closed form, with opposite det J, first the one whose first margin is
+    positive.
+
+    Thesis: 3.6; 3.2 for arrangement (a).
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
+            its legs, -1 for the one turned over, the default unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 2, 3) [m] in the base frame: position of O', NaN behind the last
+        Q (..., 2, 3, 3) in the base frame: orientation, base from platform, NaN behind the last
+        redundant (..., 2, 3) [m]: slide d_i of S_i along t_i = e_t, signed, NaN behind the last
+        det_J (..., 2) [mixed] in the platform frame: det J of each, whose sign tells them apart
+        count (...): number of solutions
+    """
+    if turned is None:
+        turned = 1.0
+    arguments = rt.Arguments(SIGNATURES["forward_all"], (s, turned,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide, distance, start = platform.tie(g.platform)
+        flatness, radicand, breadth, p, Q, redundant, det_J, count = platform.assembly_modes(
+            arguments.whole("s"), rt.legs(slide), rt.legs(distance), rt.legs(start),
+            arguments.whole("turned"))
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "redundant": redundant,
+                "det_J": det_J,
+                "count": count,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
+                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
+                rt.Guard(radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
+            ),
+        )
+    answer = ForwardAll(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward(
+    theta: Any, s_near: Any, side: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose of the platform and the redundant coordinates from the actuated joints alone, unique on
+    the known side of type II: no guess and no extra encoder.
+
+    Thesis: 3.6.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [rho_1, rho_2, rho_3]
+        s_near (..., 3, 3) [m] in the base frame: a point near the end point, which chooses the
+            assembly mode
+        side (...): +1 for the side of type II where the first margin is positive, or -1, the
+            default unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        redundant (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed
+    """
+    if side is None:
+        side = 1.0
+    arguments = rt.Arguments(SIGNATURES["forward"], (theta, s_near, side,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        s, radicand = subleg.forward(g.subleg, arguments.leg("theta"), arguments.leg("s_near"))
+        slide, distance, start = platform.tie(g.platform)
+        flatness, assembly_radicand, breadth, p, Q, redundant = platform.assembly_mode(
+            rt.legs(s), rt.legs(slide), rt.legs(distance), rt.legs(start), arguments.whole("side"))
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "redundant": redundant,
+            },
+            (
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("p", "Q", "redundant", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
+                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
+                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
+            ),
+        )
+    answer = Forward(*results[:-1])
     return (answer, results[-1]) if status else answer

@@ -32,6 +32,7 @@ class Status(IntEnum):
     NO_CONVERGENCE = 9
     AMBIGUOUS = 10
     INVALID_INPUT = 11
+    NO_ASSEMBLY = 12
 
 
 LEG_STATUSES = frozenset({Status.UNREACHABLE_LEG_1, Status.SINGULAR_LEG_1})
@@ -52,6 +53,7 @@ STATUS_DOC = {
     Status.NO_CONVERGENCE: "an iteration ended before it converged",
     Status.AMBIGUOUS: "several answers cannot be told apart",
     Status.INVALID_INPUT: "an input is NaN or infinite",
+    Status.NO_ASSEMBLY: "no platform fits the three end points",
 }
 
 SINGULAR_TOLERANCE = 1e-12
@@ -122,6 +124,9 @@ class Call:
 OPTIONAL_INPUTS = ("mode", "assembly", "swivel")
 """Inputs that have a default: the working mode, the assembly mode, and a swivel of zero."""
 
+SIGNS = ("side", "turned")
+"""Inputs that are +1 or -1, and +1 where a language has defaults."""
+
 
 @dataclass(frozen=True)
 class Guard:
@@ -130,7 +135,7 @@ class Guard:
 
     For a leg's value only that leg's part of the answer is NaN, and where `status` names the first leg the
     status is that of the leg.
-    `spoils` names the outputs that have no meaning then (all unless given).
+    `spoils` names the outputs that have no meaning then (all unless given), `empties` those that are 0 then.
     """
 
     variable: str
@@ -139,13 +144,15 @@ class Guard:
     limit: float
     status: Status
     spoils: tuple[str, ...] = ()
+    empties: tuple[str, ...] = ()
 
     def spoilt(self, outputs: Iterable[Port]) -> tuple[Port, ...]:
         """The outputs that are NaN where the guard fails; the guarded value itself stays."""
         return tuple(
             port
             for port in outputs
-            if port.name != self.variable and (not self.spoils or port.name in self.spoils)
+            if port.name not in (self.variable, *self.empties)
+            and (not self.spoils or port.name in self.spoils)
         )
 
 

@@ -64,7 +64,7 @@ class Configuration:
 def configuration(subject: Subject, source: Draw) -> Configuration:
     """A random consistent configuration, with random rates."""
     build = LEGS_BY_NAME.get(subject.code.subleg.name)
-    found = _in_balls(subject, source) if build is None else _rational(subject, source, build)
+    found = configuration_in_balls(subject, source) if build is None else _rational(subject, source, build)
     kind = found.arithmetic.constant
     freedom, n = subject.platform.space.degrees_of_freedom, subject.subleg.n
     sizes = {
@@ -102,7 +102,8 @@ def _rational(subject: Subject, source: Draw, build: Callable[[Draw, list[Any]],
     return _with_assembly(Configuration(subject, RATIONAL, geometry, values))
 
 
-def _in_balls(subject: Subject, source: Draw) -> Configuration:
+def configuration_in_balls(subject: Subject, source: Draw) -> Configuration:
+    """A random consistent configuration of doubles, in ball arithmetic."""
     batch = draw(subject, source.random.randrange(1 << 30), 1, spread=0.1)
     geometry = {name: [Ball(x) for x in numbers] for name, numbers in batch.geometry.items()}
     values: dict[str, list[Any]] = {

@@ -118,7 +118,10 @@ def _proofs(robot: RobotCode) -> Iterator[Check]:
             if (proof.only is None or part.name in proof.only) and proof.kernel in known:
                 also = tuple(f"{key}.{name}" for name in proof.also if name in known)
                 yield _proof(robot, proof, f"{key}.{proof.kernel}", also, part.name)
+    functions = {function.name for function in robot.functions}
     for proof in ROBOT_PROOFS:
+        if proof.kernel not in functions:
+            continue
         yield _proof(robot, proof, proof.kernel, proof.also, "")
 
 

@@ -23,7 +23,7 @@ import casadi
 import numpy as np
 
 from krhpr.codegen.composition import RobotFunction
-from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
+from krhpr.codegen.kernel import LEGS, Kernel, Port
 from krhpr.codegen.phases import split
 from krhpr.validation import casadi_exact
 from krhpr.validation.c_interpreter import Array, CProgram
@@ -176,11 +176,11 @@ def _rows(values: Any, port: Port) -> list[list[Any]]:
 
 
 def unpack(port: Port, matrix: Callable[[str], Any]) -> list[Any]:
-    """A port's values, row by row, from CasADi's results (one for each leg where the legs' parts are
-    matrices).
+    """A port's values, row by row, from CasADi's results (several where they are more than a matrix: one for
+    each leg, or each solution).
     """
-    if port.layout is Layout.STACKED and len(port.full_shape) > 2:
-        return [value for leg in range(LEGS) for value in matrix(f"{port.name}{leg + 1}")]
+    if len(port.full_shape) > 2:
+        return [value for first in range(port.full_shape[0]) for value in matrix(f"{port.name}{first + 1}")]
     return list(matrix(port.name))
 
 

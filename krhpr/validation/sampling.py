@@ -170,6 +170,8 @@ def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Value
         ("theta_ddot", (LEGS, subject.subleg.n)),
     ):
         values[name] = rng.uniform(-1, 1, (count, *shape))
+    values["side"] = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
+    values["turned"] = np.ones(count)  # end points of one platform seldom fit the one turned over
     return values
 
 

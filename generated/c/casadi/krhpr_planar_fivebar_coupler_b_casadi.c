@@ -42,6 +42,8 @@
 #define krhpr_planar_fivebar_coupler_b_link_points plain_link_points
 #define krhpr_planar_fivebar_coupler_b_singularity plain_singularity
 #define krhpr_planar_fivebar_coupler_b_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_fivebar_coupler_b_forward_all plain_forward_all
+#define krhpr_planar_fivebar_coupler_b_forward plain_forward
 #include "../krhpr_planar_fivebar_coupler_b.c"
 #undef krhpr_planar_fivebar_coupler_b_end_points
 #undef krhpr_planar_fivebar_coupler_b_redundant_coordinates
@@ -62,6 +64,8 @@
 #undef krhpr_planar_fivebar_coupler_b_link_points
 #undef krhpr_planar_fivebar_coupler_b_singularity
 #undef krhpr_planar_fivebar_coupler_b_type_2_of_redundant
+#undef krhpr_planar_fivebar_coupler_b_forward_all
+#undef krhpr_planar_fivebar_coupler_b_forward
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -78,9 +82,9 @@ static const krhpr_planar_fivebar_coupler_b_geometry geometry = {
         { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_0 = 0.0, .l_2 = 0.08, .l_3 = 0.15, .l_4 = 0.15, .l_5 = 0.24, .l_6 = 0.16, .o = {1.5308084989341915e-17, 0.25}, .o_12 = {0.0, 0.0}, .k = {0.0225, 0.006399999999999998, -2.0000000000000004, 0.00010000000000000018, 0.0961, 0.0225, 0.0256, -0.4999999999999999, 0.004899999999999999, 0.052899999999999996, 0.0064, 0.06999999999999999, 0.010000000000000009, 1.5, 41.666666666666664, 41.666666666666664, 83.33333333333333, 6.25, -0.4999999999999999, 1.5308084989341915e-17, 0.25} }
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18} },
-        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014} },
-        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036} }
+        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18, -0.019330127018922193, -0.011160254037844387} },
+        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014, -0.01660769515458674, -0.00946410161513776} },
+        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036, -0.036, -0.009} }
     }
 };
 
@@ -110,55 +114,61 @@ static const casadi_int P16[3] = {1, 2, 1};
 static const casadi_int P17[5] = {1, 2, 0, 0, 0};
 static const casadi_int P18[3] = {6, 2, 1};
 static const casadi_int P19[5] = {6, 2, 0, 0, 0};
-static const casadi_int P20[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P21[3] = {6, 1, 1};
-static const casadi_int P22[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P24[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P25[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P26[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P27[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P28[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P29[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P30[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P31[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P32[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P33[3] = {9, 1, 1};
-static const casadi_int P34[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P35[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P36[5] = {18, 2, 0, 0, 0};
-static const casadi_int P37[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P38[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
-static const casadi_int P39[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P40[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P41[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P42[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P43[3] = {8, 2, 1};
-static const casadi_int P44[3] = {8, 1, 1};
-static const casadi_int P45[14] = {8, 3, 0, 8, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P46[14] = {8, 3, 0, 0, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P47[14] = {8, 3, 0, 0, 0, 8, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P48[3] = {3, 6, 1};
-static const casadi_int P49[18] = {6, 6, 0, 2, 4, 6, 7, 8, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P50[3] = {6, 3, 1};
-static const casadi_int P51[5] = {9, 2, 0, 0, 0};
-static const casadi_int P52[4] = {9, 1, 0, 0};
-static const casadi_int P53[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P20[3] = {2, 3, 1};
+static const casadi_int P21[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P22[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P23[3] = {6, 1, 1};
+static const casadi_int P24[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P25[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P26[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P27[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P28[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P29[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P30[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P31[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P32[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P33[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P34[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P35[3] = {9, 1, 1};
+static const casadi_int P36[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P37[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P38[5] = {18, 2, 0, 0, 0};
+static const casadi_int P39[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P40[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
+static const casadi_int P41[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P42[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P43[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P44[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P45[3] = {8, 2, 1};
+static const casadi_int P46[3] = {8, 1, 1};
+static const casadi_int P47[14] = {8, 3, 0, 8, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P48[14] = {8, 3, 0, 0, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P49[14] = {8, 3, 0, 0, 0, 8, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P50[3] = {3, 6, 1};
+static const casadi_int P51[18] = {6, 6, 0, 2, 4, 6, 7, 8, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
+static const casadi_int P52[3] = {6, 3, 1};
+static const casadi_int P53[5] = {9, 2, 0, 0, 0};
+static const casadi_int P54[4] = {9, 1, 0, 0};
+static const casadi_int P55[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P54[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P55[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P56[5] = {12, 2, 0, 0, 0};
-static const casadi_int P57[4] = {12, 1, 0, 0};
-static const casadi_int P58[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
-static const casadi_int P59[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P60[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
-static const casadi_int P61[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P62[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
-static const casadi_int P63[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P64[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P65[3] = {1, 6, 1};
-static const casadi_int P66[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P67[3] = {1, 3, 1};
+static const casadi_int P56[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P57[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P58[5] = {12, 2, 0, 0, 0};
+static const casadi_int P59[4] = {12, 1, 0, 0};
+static const casadi_int P60[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
+static const casadi_int P61[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P62[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
+static const casadi_int P63[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P64[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
+static const casadi_int P65[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P66[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P67[3] = {1, 6, 1};
+static const casadi_int P68[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P69[3] = {1, 3, 1};
+static const casadi_int P70[3] = {4, 6, 1};
+static const casadi_int P71[3] = {2, 6, 1};
+static const casadi_int P72[3] = {6, 6, 1};
+static const casadi_int P73[6] = {1, 3, 0, 0, 0, 0};
 
 /* -- end_points -- */
 
@@ -189,7 +199,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P20, P21, P22
+    P22, P23, P24
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -229,7 +239,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P23
+    P6, P4, P25
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -268,7 +278,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P24, P25
+    P26, P27
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -305,7 +315,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P26, P27, P28
+    P28, P29, P30
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -348,7 +358,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P29, P29, P30, P30, P31, P31
+    P31, P31, P32, P32, P33, P33
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -388,7 +398,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P23
+    P6, P4, P25
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -439,7 +449,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P32, P33, P34, P35, P36, P37, P38, P38
+    P34, P35, P36, P37, P38, P39, P40, P40
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -492,7 +502,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P32, P33, P34, P35, P11, P0, P39, P39, P11, P0, P40, P40, P11, P0, P41, P41
+    P34, P35, P36, P37, P11, P0, P41, P41, P11, P0, P42, P42, P11, P0, P43, P43
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -539,7 +549,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P18, P21, P22, P42
+    P18, P23, P24, P44
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode"
@@ -583,7 +593,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P43, P44, P45, P43, P44, P46, P43, P44, P47
+    P45, P46, P47, P45, P46, P48, P45, P46, P49
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -666,7 +676,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P48, P48, P48
+    P6, P4, P50, P50, P50
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -721,7 +731,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P18, P21, P24, P49, P50, P22
+    P18, P23, P26, P51, P52, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -796,7 +806,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P48, P48, P12, P48, P48
+    P6, P4, P50, P50, P12, P50, P50
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -866,7 +876,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P18, P21, P24, P24, P50, P22, P24, P50, P22
+    P18, P23, P26, P26, P52, P24, P26, P52, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -925,7 +935,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P51, P52, P53, P54, P7, P4, P23, P55, P6, P4, P23, P15
+    P53, P54, P55, P56, P7, P4, P25, P57, P6, P4, P25, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_phi", "jac_passive_s", "jac_passive_theta", "jac_wrist_p", "jac_wrist_phi",
@@ -979,7 +989,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P56, P57, P58, P59, P56, P57, P60, P61, P56, P57, P62, P63, P19, P21, P64, P42
+    P58, P59, P60, P61, P58, P59, P62, P63, P58, P59, P64, P65, P19, P23, P66, P44
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1042,7 +1052,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P23, P23, P51, P52, P53, P54, P16, P2, P65, P66, P16, P2, P65, P66
+    P7, P5, P25, P25, P53, P54, P55, P56, P16, P2, P67, P68, P16, P2, P67, P68
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1085,7 +1095,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P67, P67
+    P69, P69
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1095,3 +1105,107 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_all -- */
+
+static int value_forward_all(const double *x, double *y)
+{
+    return plain_forward_all(&geometry, x, y, y + 4, y + 6, y + 12, y + 14);
+}
+
+static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 4;
+    krhpr_dual *const redundant = found + 6;
+    krhpr_dual *const det_J = found + 12;
+    krhpr_dual *const count = found + 14;
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual radicand[1];
+    krhpr_dual breadth[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_planar_b_assembly_modes_tangent(
+        s, slide, distance, start, radicand, breadth, p, phi, redundant, det_J, count);
+}
+
+static const krhpr_casadi_slot in_forward_all[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_all[] = {
+    {"out_p", 2, 2, 1, NULL, P10, P11},
+    {"out_phi", 2, 1, 1, NULL, P0, P1},
+    {"out_redundant", 2, 3, 1, NULL, P20, P21},
+    {"out_det_J", 2, 1, 1, NULL, P0, P1},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_forward_all[] = {
+    P70, P71, P72, P71, P68
+};
+static const char *const names_forward_all[] = {
+    "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
+};
+static const krhpr_casadi_function function_forward_all = {
+    1, in_forward_all, 5, out_forward_all, value_forward_all, tangent_forward_all, structure_forward_all, names_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
+
+/* -- forward -- */
+
+static int value_forward(const double *x, double *y)
+{
+    return plain_forward(&geometry, x, x + 6, x[9], y, y + 2, y + 3);
+}
+
+static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    const krhpr_dual *const side = given + 9;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 2;
+    krhpr_dual *const redundant = found + 3;
+    krhpr_dual s[6];
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual assembly_radicand[1];
+    krhpr_dual breadth[1];
+    double assembly[3];
+    krhpr_casadi_values(3, given + 6, assembly);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_planar_fivebar_coupler_forward_tangent(
+            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_planar_b_assembly_mode_tangent(
+        s, slide, distance, start, side, assembly_radicand, breadth, p, phi, redundant);
+}
+
+static const krhpr_casadi_slot in_forward[] = {
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_assembly", 3, 1, 1, assembly_default, P4, P5},
+    {"out_side", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward[] = {
+    P71, P21, P0, P67, P73, P2, P50, P13, P4
+};
+static const char *const names_forward[] = {
+    "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
+    "jac_redundant_theta", "jac_redundant_assembly", "jac_redundant_side"
+};
+static const krhpr_casadi_function function_forward = {
+    3, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+};
+KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

@@ -42,6 +42,8 @@
 #define krhpr_planar_pp_b_link_points plain_link_points
 #define krhpr_planar_pp_b_singularity plain_singularity
 #define krhpr_planar_pp_b_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_pp_b_forward_all plain_forward_all
+#define krhpr_planar_pp_b_forward plain_forward
 #include "../krhpr_planar_pp_b.c"
 #undef krhpr_planar_pp_b_end_points
 #undef krhpr_planar_pp_b_redundant_coordinates
@@ -62,6 +64,8 @@
 #undef krhpr_planar_pp_b_link_points
 #undef krhpr_planar_pp_b_singularity
 #undef krhpr_planar_pp_b_type_2_of_redundant
+#undef krhpr_planar_pp_b_forward_all
+#undef krhpr_planar_pp_b_forward
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -78,9 +82,9 @@ static const krhpr_planar_pp_b_geometry geometry = {
         { .azimuth = 1.5707963267948966, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {1.5308084989341915e-17, 0.25}, .e_1 = {6.123233995736766e-17, 1.0}, .e_2 = {-0.9916648104524687, -0.12884449429552458}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} }
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18} },
-        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014} },
-        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036} }
+        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18, -0.019330127018922193, -0.011160254037844387} },
+        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014, -0.01660769515458674, -0.00946410161513776} },
+        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036, -0.036, -0.009} }
     }
 };
 
@@ -106,41 +110,46 @@ static const casadi_int P12[3] = {3, 3, 1};
 static const casadi_int P13[6] = {3, 3, 0, 0, 0, 0};
 static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P15[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P16[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P17[3] = {6, 1, 1};
-static const casadi_int P18[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P19[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P20[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P22[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P23[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P24[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P25[3] = {9, 1, 1};
-static const casadi_int P26[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P27[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P28[5] = {18, 2, 0, 0, 0};
-static const casadi_int P29[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P30[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P31[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P32[3] = {6, 2, 1};
-static const casadi_int P33[8] = {2, 3, 0, 2, 2, 2, 0, 1};
-static const casadi_int P34[8] = {2, 3, 0, 0, 2, 2, 0, 1};
-static const casadi_int P35[8] = {2, 3, 0, 0, 0, 2, 0, 1};
-static const casadi_int P36[3] = {3, 6, 1};
-static const casadi_int P37[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P38[3] = {6, 3, 1};
-static const casadi_int P39[5] = {6, 2, 0, 0, 0};
-static const casadi_int P40[4] = {6, 1, 0, 0};
-static const casadi_int P41[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P42[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P43[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P44[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P45[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P46[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P47[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P48[3] = {1, 6, 1};
-static const casadi_int P49[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P50[3] = {1, 3, 1};
+static const casadi_int P16[3] = {2, 3, 1};
+static const casadi_int P17[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P19[3] = {6, 1, 1};
+static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P22[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P23[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P24[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P25[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P26[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P27[3] = {9, 1, 1};
+static const casadi_int P28[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P29[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P30[5] = {18, 2, 0, 0, 0};
+static const casadi_int P31[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P32[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P33[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P34[3] = {6, 2, 1};
+static const casadi_int P35[8] = {2, 3, 0, 2, 2, 2, 0, 1};
+static const casadi_int P36[8] = {2, 3, 0, 0, 2, 2, 0, 1};
+static const casadi_int P37[8] = {2, 3, 0, 0, 0, 2, 0, 1};
+static const casadi_int P38[3] = {3, 6, 1};
+static const casadi_int P39[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P40[3] = {6, 3, 1};
+static const casadi_int P41[5] = {6, 2, 0, 0, 0};
+static const casadi_int P42[4] = {6, 1, 0, 0};
+static const casadi_int P43[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P44[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P45[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P46[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P47[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P48[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P49[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P50[3] = {1, 6, 1};
+static const casadi_int P51[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P52[3] = {1, 3, 1};
+static const casadi_int P53[3] = {4, 6, 1};
+static const casadi_int P54[3] = {2, 6, 1};
+static const casadi_int P55[3] = {6, 6, 1};
 
 /* -- end_points -- */
 
@@ -171,7 +180,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P16, P17, P18
+    P18, P19, P20
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -211,7 +220,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P19
+    P6, P4, P21
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -245,7 +254,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P20
+    P22
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -282,7 +291,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P21, P22, P23
+    P23, P24, P25
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -343,7 +352,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P19
+    P6, P4, P21
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -388,7 +397,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P24, P25, P26, P27, P28, P29, P30, P30
+    P26, P27, P28, P29, P30, P31, P32, P32
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -435,7 +444,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P24, P25, P26, P27, P11, P0, P31, P31, P11, P0, P31, P31, P11, P0, P31, P31
+    P26, P27, P28, P29, P11, P0, P33, P33, P11, P0, P33, P33, P11, P0, P33, P33
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -479,7 +488,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P32, P17, P18
+    P34, P19, P20
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant"
@@ -524,7 +533,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P10, P0, P33, P10, P0, P34, P10, P0, P35
+    P10, P0, P35, P10, P0, P36, P10, P0, P37
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -599,7 +608,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P36, P15, P36
+    P6, P4, P38, P15, P38
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -648,7 +657,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P32, P17, P20, P37, P38, P18
+    P34, P19, P22, P39, P40, P20
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -717,7 +726,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P36, P15, P12, P36, P36
+    P6, P4, P38, P15, P12, P38, P38
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -782,7 +791,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P32, P17, P20, P37, P38, P18, P37, P38, P18
+    P34, P19, P22, P39, P40, P20, P39, P40, P20
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -832,7 +841,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P15, P15, P6, P4, P19, P15
+    P7, P4, P15, P15, P6, P4, P21, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -881,7 +890,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P39, P40, P41, P42, P39, P40, P43, P44, P39, P40, P45, P46, P39, P17, P47, P37
+    P41, P42, P43, P44, P41, P42, P45, P46, P41, P42, P47, P48, P41, P19, P49, P39
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -937,7 +946,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P15, P15, P7, P5, P15, P15, P8, P2, P48, P49, P8, P2, P48, P49
+    P7, P5, P15, P15, P7, P5, P15, P15, P8, P2, P50, P51, P8, P2, P50, P51
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -980,7 +989,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P50, P50
+    P52, P52
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -990,3 +999,101 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_all -- */
+
+static int value_forward_all(const double *x, double *y)
+{
+    return plain_forward_all(&geometry, x, y, y + 4, y + 6, y + 12, y + 14);
+}
+
+static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 4;
+    krhpr_dual *const redundant = found + 6;
+    krhpr_dual *const det_J = found + 12;
+    krhpr_dual *const count = found + 14;
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual radicand[1];
+    krhpr_dual breadth[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_planar_b_assembly_modes_tangent(
+        s, slide, distance, start, radicand, breadth, p, phi, redundant, det_J, count);
+}
+
+static const krhpr_casadi_slot in_forward_all[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_all[] = {
+    {"out_p", 2, 2, 1, NULL, P10, P11},
+    {"out_phi", 2, 1, 1, NULL, P0, P1},
+    {"out_redundant", 2, 3, 1, NULL, P16, P17},
+    {"out_det_J", 2, 1, 1, NULL, P0, P1},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_forward_all[] = {
+    P53, P54, P55, P54, P51
+};
+static const char *const names_forward_all[] = {
+    "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
+};
+static const krhpr_casadi_function function_forward_all = {
+    1, in_forward_all, 5, out_forward_all, value_forward_all, tangent_forward_all, structure_forward_all, names_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
+
+/* -- forward -- */
+
+static int value_forward(const double *x, double *y)
+{
+    return plain_forward(&geometry, x, x[6], y, y + 2, y + 3);
+}
+
+static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    const krhpr_dual *const side = given + 6;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 2;
+    krhpr_dual *const redundant = found + 3;
+    krhpr_dual s[6];
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual assembly_radicand[1];
+    krhpr_dual breadth[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_planar_b_assembly_mode_tangent(
+        s, slide, distance, start, side, assembly_radicand, breadth, p, phi, redundant);
+}
+
+static const krhpr_casadi_slot in_forward[] = {
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_side", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward[] = {
+    P54, P0, P50, P2, P38, P4
+};
+static const char *const names_forward[] = {
+    "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side"
+};
+static const krhpr_casadi_function function_forward = {
+    2, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+};
+KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

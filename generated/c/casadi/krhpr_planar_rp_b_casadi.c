@@ -42,6 +42,8 @@
 #define krhpr_planar_rp_b_link_points plain_link_points
 #define krhpr_planar_rp_b_singularity plain_singularity
 #define krhpr_planar_rp_b_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rp_b_forward_all plain_forward_all
+#define krhpr_planar_rp_b_forward plain_forward
 #include "../krhpr_planar_rp_b.c"
 #undef krhpr_planar_rp_b_end_points
 #undef krhpr_planar_rp_b_redundant_coordinates
@@ -62,6 +64,8 @@
 #undef krhpr_planar_rp_b_link_points
 #undef krhpr_planar_rp_b_singularity
 #undef krhpr_planar_rp_b_type_2_of_redundant
+#undef krhpr_planar_rp_b_forward_all
+#undef krhpr_planar_rp_b_forward
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -78,9 +82,9 @@ static const krhpr_planar_rp_b_geometry geometry = {
         { .azimuth = 1.5707963267948966, .R_b = 0.25, .h = 0.01, .o = {1.5308084989341915e-17, 0.25}, .k = {0.0001, 0.01, 4.0} }
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18} },
-        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014} },
-        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036} }
+        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18, -0.019330127018922193, -0.011160254037844387} },
+        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014, -0.01660769515458674, -0.00946410161513776} },
+        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036, -0.036, -0.009} }
     }
 };
 
@@ -106,60 +110,65 @@ static const casadi_int P12[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P13[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {1, 2, 1};
 static const casadi_int P15[5] = {1, 2, 0, 0, 0};
-static const casadi_int P16[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P17[3] = {6, 1, 1};
-static const casadi_int P18[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P19[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P20[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P22[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P23[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P24[11] = {4, 6, 0, 1, 1, 1, 2, 2, 2, 1, 0};
-static const casadi_int P25[11] = {4, 6, 0, 2, 2, 2, 2, 2, 2, 2, 3};
-static const casadi_int P26[11] = {4, 6, 0, 0, 1, 1, 1, 2, 2, 1, 0};
-static const casadi_int P27[11] = {4, 6, 0, 0, 2, 2, 2, 2, 2, 2, 3};
-static const casadi_int P28[11] = {4, 6, 0, 0, 0, 1, 1, 1, 2, 1, 0};
-static const casadi_int P29[11] = {4, 6, 0, 0, 0, 2, 2, 2, 2, 2, 3};
-static const casadi_int P30[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P31[3] = {9, 1, 1};
-static const casadi_int P32[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P33[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P34[5] = {18, 2, 0, 0, 0};
-static const casadi_int P35[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P36[15] = {18, 6, 0, 1, 2, 3, 4, 5, 6, 0, 7, 14, 0, 7, 14};
-static const casadi_int P37[12] = {18, 6, 0, 1, 2, 3, 3, 3, 3, 3, 10, 17};
-static const casadi_int P38[11] = {2, 6, 0, 1, 1, 1, 2, 2, 2, 0, 0};
-static const casadi_int P39[10] = {2, 6, 0, 1, 1, 1, 1, 1, 1, 1};
-static const casadi_int P40[11] = {2, 6, 0, 0, 1, 1, 1, 2, 2, 0, 0};
-static const casadi_int P41[10] = {2, 6, 0, 0, 1, 1, 1, 1, 1, 1};
-static const casadi_int P42[11] = {2, 6, 0, 0, 0, 1, 1, 1, 2, 0, 0};
-static const casadi_int P43[10] = {2, 6, 0, 0, 0, 1, 1, 1, 1, 1};
-static const casadi_int P44[3] = {6, 2, 1};
-static const casadi_int P45[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P46[3] = {4, 2, 1};
-static const casadi_int P47[3] = {4, 1, 1};
-static const casadi_int P48[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
-static const casadi_int P49[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
-static const casadi_int P50[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
-static const casadi_int P51[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P52[3] = {3, 6, 1};
-static const casadi_int P53[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P54[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P55[3] = {6, 3, 1};
-static const casadi_int P56[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P57[5] = {6, 2, 0, 0, 0};
-static const casadi_int P58[4] = {6, 1, 0, 0};
-static const casadi_int P59[11] = {6, 6, 0, 1, 1, 1, 2, 2, 2, 2, 5};
-static const casadi_int P60[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P61[11] = {6, 6, 0, 0, 1, 1, 1, 2, 2, 2, 5};
-static const casadi_int P62[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P63[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
-static const casadi_int P64[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
-static const casadi_int P65[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P66[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P67[3] = {1, 6, 1};
-static const casadi_int P68[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P69[3] = {1, 3, 1};
+static const casadi_int P16[3] = {2, 3, 1};
+static const casadi_int P17[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P19[3] = {6, 1, 1};
+static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P22[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P23[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P24[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P25[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P26[11] = {4, 6, 0, 1, 1, 1, 2, 2, 2, 1, 0};
+static const casadi_int P27[11] = {4, 6, 0, 2, 2, 2, 2, 2, 2, 2, 3};
+static const casadi_int P28[11] = {4, 6, 0, 0, 1, 1, 1, 2, 2, 1, 0};
+static const casadi_int P29[11] = {4, 6, 0, 0, 2, 2, 2, 2, 2, 2, 3};
+static const casadi_int P30[11] = {4, 6, 0, 0, 0, 1, 1, 1, 2, 1, 0};
+static const casadi_int P31[11] = {4, 6, 0, 0, 0, 2, 2, 2, 2, 2, 3};
+static const casadi_int P32[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P33[3] = {9, 1, 1};
+static const casadi_int P34[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P35[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P36[5] = {18, 2, 0, 0, 0};
+static const casadi_int P37[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P38[15] = {18, 6, 0, 1, 2, 3, 4, 5, 6, 0, 7, 14, 0, 7, 14};
+static const casadi_int P39[12] = {18, 6, 0, 1, 2, 3, 3, 3, 3, 3, 10, 17};
+static const casadi_int P40[11] = {2, 6, 0, 1, 1, 1, 2, 2, 2, 0, 0};
+static const casadi_int P41[10] = {2, 6, 0, 1, 1, 1, 1, 1, 1, 1};
+static const casadi_int P42[11] = {2, 6, 0, 0, 1, 1, 1, 2, 2, 0, 0};
+static const casadi_int P43[10] = {2, 6, 0, 0, 1, 1, 1, 1, 1, 1};
+static const casadi_int P44[11] = {2, 6, 0, 0, 0, 1, 1, 1, 2, 0, 0};
+static const casadi_int P45[10] = {2, 6, 0, 0, 0, 1, 1, 1, 1, 1};
+static const casadi_int P46[3] = {6, 2, 1};
+static const casadi_int P47[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P48[3] = {4, 2, 1};
+static const casadi_int P49[3] = {4, 1, 1};
+static const casadi_int P50[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
+static const casadi_int P51[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
+static const casadi_int P52[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
+static const casadi_int P53[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P54[3] = {3, 6, 1};
+static const casadi_int P55[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P56[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P57[3] = {6, 3, 1};
+static const casadi_int P58[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P59[5] = {6, 2, 0, 0, 0};
+static const casadi_int P60[4] = {6, 1, 0, 0};
+static const casadi_int P61[11] = {6, 6, 0, 1, 1, 1, 2, 2, 2, 2, 5};
+static const casadi_int P62[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P63[11] = {6, 6, 0, 0, 1, 1, 1, 2, 2, 2, 5};
+static const casadi_int P64[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P65[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
+static const casadi_int P66[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
+static const casadi_int P67[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P68[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P69[3] = {1, 6, 1};
+static const casadi_int P70[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P71[3] = {1, 3, 1};
+static const casadi_int P72[3] = {4, 6, 1};
+static const casadi_int P73[3] = {2, 6, 1};
+static const casadi_int P74[3] = {6, 6, 1};
 
 /* -- end_points -- */
 
@@ -190,7 +199,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P16, P17, P18
+    P18, P19, P20
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -230,7 +239,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P19
+    P6, P4, P21
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -264,7 +273,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P20
+    P22
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -301,7 +310,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P21, P22, P23
+    P23, P24, P25
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -342,7 +351,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P24, P25, P26, P27, P28, P29
+    P26, P27, P28, P29, P30, P31
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -382,7 +391,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P19
+    P6, P4, P21
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -431,7 +440,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P30, P31, P32, P33, P34, P35, P36, P37
+    P32, P33, P34, P35, P36, P37, P38, P39
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -482,7 +491,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P30, P31, P32, P33, P9, P0, P38, P39, P9, P0, P40, P41, P9, P0, P42, P43
+    P32, P33, P34, P35, P9, P0, P40, P41, P9, P0, P42, P43, P9, P0, P44, P45
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -529,7 +538,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P44, P17, P18, P45
+    P46, P19, P20, P47
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode"
@@ -574,7 +583,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P46, P47, P48, P46, P47, P49, P46, P47, P50
+    P48, P49, P50, P48, P49, P51, P48, P49, P52
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -618,7 +627,7 @@ static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_inverse_status[] = {
-    P6, P4, P51, P11
+    P6, P4, P53, P11
 };
 static const char *const names_inverse_status[] = {
     "jac_excess_p", "jac_excess_phi", "jac_excess_redundant", "jac_excess_mode"
@@ -676,7 +685,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P52, P53, P52
+    P6, P4, P54, P55, P54
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -728,7 +737,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P44, P17, P20, P54, P55, P18
+    P46, P19, P22, P56, P57, P20
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -800,7 +809,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P52, P53, P10, P52, P52
+    P6, P4, P54, P55, P10, P54, P54
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -867,7 +876,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P44, P17, P20, P54, P55, P18, P20, P55, P18
+    P46, P19, P22, P56, P57, P20, P22, P57, P20
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -921,7 +930,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P13, P56, P6, P4, P19, P13
+    P7, P4, P13, P58, P6, P4, P21, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -971,7 +980,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P57, P58, P59, P60, P57, P58, P61, P62, P57, P58, P63, P64, P57, P17, P65, P66
+    P59, P60, P61, P62, P59, P60, P63, P64, P59, P60, P65, P66, P59, P19, P67, P68
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1031,7 +1040,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P19, P56, P7, P5, P19, P56, P14, P2, P67, P68, P14, P2, P67, P68
+    P7, P5, P21, P58, P7, P5, P21, P58, P14, P2, P69, P70, P14, P2, P69, P70
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1074,7 +1083,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P69, P69
+    P71, P71
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1084,3 +1093,101 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_all -- */
+
+static int value_forward_all(const double *x, double *y)
+{
+    return plain_forward_all(&geometry, x, y, y + 4, y + 6, y + 12, y + 14);
+}
+
+static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 4;
+    krhpr_dual *const redundant = found + 6;
+    krhpr_dual *const det_J = found + 12;
+    krhpr_dual *const count = found + 14;
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual radicand[1];
+    krhpr_dual breadth[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_planar_b_assembly_modes_tangent(
+        s, slide, distance, start, radicand, breadth, p, phi, redundant, det_J, count);
+}
+
+static const krhpr_casadi_slot in_forward_all[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_all[] = {
+    {"out_p", 2, 2, 1, NULL, P8, P9},
+    {"out_phi", 2, 1, 1, NULL, P0, P1},
+    {"out_redundant", 2, 3, 1, NULL, P16, P17},
+    {"out_det_J", 2, 1, 1, NULL, P0, P1},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_forward_all[] = {
+    P72, P73, P74, P73, P70
+};
+static const char *const names_forward_all[] = {
+    "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
+};
+static const krhpr_casadi_function function_forward_all = {
+    1, in_forward_all, 5, out_forward_all, value_forward_all, tangent_forward_all, structure_forward_all, names_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
+
+/* -- forward -- */
+
+static int value_forward(const double *x, double *y)
+{
+    return plain_forward(&geometry, x, x[6], y, y + 2, y + 3);
+}
+
+static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    const krhpr_dual *const side = given + 6;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 2;
+    krhpr_dual *const redundant = found + 3;
+    krhpr_dual s[6];
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual assembly_radicand[1];
+    krhpr_dual breadth[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_planar_b_assembly_mode_tangent(
+        s, slide, distance, start, side, assembly_radicand, breadth, p, phi, redundant);
+}
+
+static const krhpr_casadi_slot in_forward[] = {
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_side", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward[] = {
+    P73, P0, P69, P2, P54, P4
+};
+static const char *const names_forward[] = {
+    "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side"
+};
+static const krhpr_casadi_function function_forward = {
+    2, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+};
+KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

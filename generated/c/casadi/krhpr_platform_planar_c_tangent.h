@@ -397,4 +397,323 @@ static inline void krhpr_platform_planar_c_type_2_tangent(
     }
 }
 
+/* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
+static inline void krhpr_platform_planar_c_tie_tangent(
+    const krhpr_platform_planar_c_geometry *g, krhpr_dual *KRHPR_RESTRICT slide)
+{
+    slide[0].v = g->t[0];
+    slide[1].v = g->t[1];
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        slide[0].t[k] = 0.0;
+        slide[1].t[k] = 0.0;
+    }
+}
+
+/* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
+ * (238 add, 301 multiply, 5 divide, 1 square root, 2 arctangent) */
+static inline void krhpr_platform_planar_c_assembly_modes_tangent(
+    const krhpr_dual *s, const krhpr_dual *slide, krhpr_dual *KRHPR_RESTRICT radicand,
+    krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
+    krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT det_J, krhpr_dual *KRHPR_RESTRICT count)
+{
+    const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
+    const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
+    const double lambda_3 = slide[0].v * slide[3].v - slide[1].v * slide[2].v;
+    const double s_12_0 = s[2].v - s[0].v;
+    const double s_12_1 = s[3].v - s[1].v;
+    const double s_13_0 = s[4].v - s[0].v;
+    const double s_13_1 = s[5].v - s[1].v;
+    const double h1 = slide[2].v * s_12_1 - slide[3].v * s_12_0;
+    const double h2 = slide[4].v * s_13_1 - slide[5].v * s_13_0;
+    const double A = lambda_2 * h1 + lambda_3 * h2;
+    const double h3 = slide[2].v * s_12_0 + slide[3].v * s_12_1;
+    const double h4 = slide[4].v * s_13_0 + slide[5].v * s_13_1;
+    const double h5 = lambda_2 * h3 + lambda_3 * h4;
+    const double AB_2 = A * A + h5 * h5;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double h6 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double size = lambda_2_a * h6;
+    const double breadth_0 = AB_2 / size;
+    const double root = 1.0 / sqrt(AB_2);
+    const double cos_1 = h5 * root;
+    const double sin_1 = A * root;
+    const double q_2_1_0 = s_12_0 * cos_1 + s_12_1 * sin_1;
+    const double t1 = s_12_1 * cos_1;
+    const double t2 = s_12_0 * sin_1;
+    const double q_2_1_1 = t1 - t2;
+    const double q_3_1_0 = s_13_0 * cos_1 + s_13_1 * sin_1;
+    const double t3 = s_13_1 * cos_1;
+    const double t4 = s_13_0 * sin_1;
+    const double q_3_1_1 = t3 - t4;
+    const double t5 = slide[3].v * q_2_1_0;
+    const double g_2_1 = slide[2].v * q_2_1_1 - t5;
+    const double t6 = slide[5].v * q_3_1_0;
+    const double g_3_1 = slide[4].v * q_3_1_1 - t6;
+    const double h8 = slide[4].v * g_2_1 - slide[2].v * g_3_1;
+    const double h9 = lambda_2 * g_3_1;
+    const double h10 = lambda_3 * g_2_1;
+    const double h12 = lambda_1 * h8 + slide[0].v * h9 - slide[0].v * h10;
+    const double h11 = 1.0 / lambda_2_a;
+    const double o_1_0 = h12 * h11;
+    const double h13 = slide[5].v * g_2_1 - slide[3].v * g_3_1;
+    const double h14 = lambda_1 * h13 + slide[1].v * h9 - slide[1].v * h10;
+    const double o_1_1 = h11 * h14;
+    const double S_2_1_0 = q_2_1_0 - o_1_0;
+    const double S_2_1_1 = q_2_1_1 - o_1_1;
+    const double S_3_1_0 = q_3_1_0 - o_1_0;
+    const double S_3_1_1 = q_3_1_1 - o_1_1;
+    const double cos_2 = -cos_1;
+    const double sin_2 = -sin_1;
+    const double q_2_2_1 = t2 - t1;
+    const double q_3_2_1 = t4 - t3;
+    const double g_2_2 = t5 + slide[2].v * q_2_2_1;
+    const double g_3_2 = t6 + slide[4].v * q_3_2_1;
+    const double h15 = slide[4].v * g_2_2 - slide[2].v * g_3_2;
+    const double h16 = lambda_2 * g_3_2;
+    const double h17 = lambda_3 * g_2_2;
+    const double h18 = lambda_1 * h15 + slide[0].v * h16 - slide[0].v * h17;
+    const double o_2_0 = h11 * h18;
+    const double h19 = slide[5].v * g_2_2 - slide[3].v * g_3_2;
+    const double h20 = lambda_1 * h19 + slide[1].v * h16 - slide[1].v * h17;
+    const double o_2_1 = h11 * h20;
+    const double h22 = q_2_1_0 + o_2_0;
+    const double S_2_2_1 = q_2_2_1 - o_2_1;
+    const double h23 = q_3_1_0 + o_2_0;
+    const double S_3_2_1 = q_3_2_1 - o_2_1;
+    const double h24 = slide[0].v * o_1_0 + slide[1].v * o_1_1;
+    const double redundant_01 = slide[2].v * S_2_1_0 + slide[3].v * S_2_1_1;
+    const double redundant_02 = slide[4].v * S_3_1_0 + slide[5].v * S_3_1_1;
+    const double h25 = slide[0].v * o_2_0 + slide[1].v * o_2_1;
+    const double redundant_11 = slide[3].v * S_2_2_1 - slide[2].v * h22;
+    const double redundant_12 = slide[5].v * S_3_2_1 - slide[4].v * h23;
+    const double h7 = 1.0 / size;
+    const double h21 = 1.0 / (cos_1 * cos_1 + sin_1 * sin_1);
+    radicand[0].v = AB_2;
+    breadth[0].v = breadth_0;
+    p[0].v = s[0].v + cos_1 * o_1_0 - sin_1 * o_1_1;
+    p[1].v = s[1].v + cos_1 * o_1_1 + sin_1 * o_1_0;
+    p[2].v = s[0].v - cos_1 * o_2_0 + sin_1 * o_2_1;
+    p[3].v = s[1].v - cos_1 * o_2_1 - sin_1 * o_2_0;
+    phi[0].v = krhpr_atan2(sin_1, cos_1);
+    phi[1].v = krhpr_atan2(sin_2, cos_2);
+    redundant[0].v = -h24;
+    redundant[1].v = redundant_01;
+    redundant[2].v = redundant_02;
+    redundant[3].v = -h25;
+    redundant[4].v = redundant_11;
+    redundant[5].v = redundant_12;
+    det_J[0].v = lambda_2 * redundant_01 - lambda_1 * h24 + lambda_3 * redundant_02;
+    det_J[1].v = lambda_2 * redundant_11 - lambda_1 * h25 + lambda_3 * redundant_12;
+    count[0].v = 2.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t7 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
+        const double t8 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
+        const double t9 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
+        const double t10 = s[2].t[k] - s[0].t[k];
+        const double t11 = s[3].t[k] - s[1].t[k];
+        const double t12 = s[4].t[k] - s[0].t[k];
+        const double t13 = s[5].t[k] - s[1].t[k];
+        const double t14 = s_12_1 * slide[2].t[k] + slide[2].v * t11 - (s_12_0 * slide[3].t[k] + slide[3].v * t10);
+        const double t15 = s_13_1 * slide[4].t[k] + slide[4].v * t13 - (s_13_0 * slide[5].t[k] + slide[5].v * t12);
+        const double t16 = h1 * t8 + lambda_2 * t14 + (h2 * t9 + lambda_3 * t15);
+        const double t17 = s_12_0 * slide[2].t[k] + slide[2].v * t10 + (s_12_1 * slide[3].t[k] + slide[3].v * t11);
+        const double t18 = s_13_0 * slide[4].t[k] + slide[4].v * t12 + (s_13_1 * slide[5].t[k] + slide[5].v * t13);
+        const double t19 = h3 * t8 + lambda_2 * t17 + (h4 * t9 + lambda_3 * t18);
+        const double t20 = A * t16;
+        const double t21 = h5 * t19;
+        const double t22 = t20 + t20 + (t21 + t21);
+        const double t23 = lambda_1 * t7;
+        const double t24 = lambda_2 * t8;
+        const double t25 = lambda_3 * t9;
+        const double t26 = t23 + t23 + (t24 + t24) + (t25 + t25);
+        const double t27 = s_12_0 * t10;
+        const double t28 = s_12_1 * t11;
+        const double t29 = s_13_0 * t12;
+        const double t30 = s_13_1 * t13;
+        const double t31 = breadth_0 * (h6 * t26 + lambda_2_a * (t27 + t27 + (t28 + t28) + (t29 + t29) + (t30 + t30)));
+        const double t32 = root * (root * (root * (0.5 * t22)));
+        const double t33 = root * t19;
+        const double t34 = h5 * t32;
+        const double t35 = t33 - t34;
+        const double t36 = root * t16;
+        const double t37 = A * t32;
+        const double t38 = t36 - t37;
+        const double t39 = cos_1 * t10 + s_12_0 * t35 + (sin_1 * t11 + s_12_1 * t38);
+        const double t40 = cos_1 * t11 + s_12_1 * t35;
+        const double t41 = sin_1 * t10 + s_12_0 * t38;
+        const double t42 = t40 - t41;
+        const double t43 = cos_1 * t12 + s_13_0 * t35 + (sin_1 * t13 + s_13_1 * t38);
+        const double t44 = cos_1 * t13 + s_13_1 * t35;
+        const double t45 = sin_1 * t12 + s_13_0 * t38;
+        const double t46 = t44 - t45;
+        const double t47 = q_2_1_0 * slide[3].t[k] + slide[3].v * t39;
+        const double t48 = q_2_1_1 * slide[2].t[k] + slide[2].v * t42 - t47;
+        const double t49 = q_3_1_0 * slide[5].t[k] + slide[5].v * t43;
+        const double t50 = q_3_1_1 * slide[4].t[k] + slide[4].v * t46 - t49;
+        const double t51 = g_2_1 * slide[4].t[k] + slide[4].v * t48 - (g_3_1 * slide[2].t[k] + slide[2].v * t50);
+        const double t52 = g_3_1 * t8 + lambda_2 * t50;
+        const double t53 = g_2_1 * t9 + lambda_3 * t48;
+        const double t54 = h8 * t7 + lambda_1 * t51 + (h9 * slide[0].t[k] + slide[0].v * t52) - (h10 * slide[0].t[k] + slide[0].v * t53);
+        const double t55 = h11 * (h11 * t26);
+        const double t56 = h11 * t54 - h12 * t55;
+        const double t57 = g_2_1 * slide[5].t[k] + slide[5].v * t48 - (g_3_1 * slide[3].t[k] + slide[3].v * t50);
+        const double t58 = h13 * t7 + lambda_1 * t57 + (h9 * slide[1].t[k] + slide[1].v * t52) - (h10 * slide[1].t[k] + slide[1].v * t53);
+        const double t59 = h11 * t58 - h14 * t55;
+        const double t60 = t41 - t40;
+        const double t61 = t45 - t44;
+        const double t62 = t47 + (q_2_2_1 * slide[2].t[k] + slide[2].v * t60);
+        const double t63 = t49 + (q_3_2_1 * slide[4].t[k] + slide[4].v * t61);
+        const double t64 = g_2_2 * slide[4].t[k] + slide[4].v * t62 - (g_3_2 * slide[2].t[k] + slide[2].v * t63);
+        const double t65 = g_3_2 * t8 + lambda_2 * t63;
+        const double t66 = g_2_2 * t9 + lambda_3 * t62;
+        const double t67 = h15 * t7 + lambda_1 * t64 + (h16 * slide[0].t[k] + slide[0].v * t65) - (h17 * slide[0].t[k] + slide[0].v * t66);
+        const double t68 = h11 * t67 - h18 * t55;
+        const double t69 = g_2_2 * slide[5].t[k] + slide[5].v * t62 - (g_3_2 * slide[3].t[k] + slide[3].v * t63);
+        const double t70 = h19 * t7 + lambda_1 * t69 + (h16 * slide[1].t[k] + slide[1].v * t65) - (h17 * slide[1].t[k] + slide[1].v * t66);
+        const double t71 = h11 * t70 - h20 * t55;
+        const double t72 = o_1_0 * slide[0].t[k] + slide[0].v * t56 + (o_1_1 * slide[1].t[k] + slide[1].v * t59);
+        const double t73 = S_2_1_0 * slide[2].t[k] + slide[2].v * (t39 - t56) + (S_2_1_1 * slide[3].t[k] + slide[3].v * (t42 - t59));
+        const double t74 = S_3_1_0 * slide[4].t[k] + slide[4].v * (t43 - t56) + (S_3_1_1 * slide[5].t[k] + slide[5].v * (t46 - t59));
+        const double t75 = o_2_0 * slide[0].t[k] + slide[0].v * t68 + (o_2_1 * slide[1].t[k] + slide[1].v * t71);
+        const double t76 = S_2_2_1 * slide[3].t[k] + slide[3].v * (t60 - t71) - (h22 * slide[2].t[k] + slide[2].v * (t39 + t68));
+        const double t77 = S_3_2_1 * slide[5].t[k] + slide[5].v * (t61 - t71) - (h23 * slide[4].t[k] + slide[4].v * (t43 + t68));
+        const double t78 = redundant_01 * t8 + lambda_2 * t73 - (h24 * t7 + lambda_1 * t72) + (redundant_02 * t9 + lambda_3 * t74);
+        const double t79 = redundant_11 * t8 + lambda_2 * t76 - (h25 * t7 + lambda_1 * t75) + (redundant_12 * t9 + lambda_3 * t77);
+        radicand[0].t[k] = t22;
+        breadth[0].t[k] = h7 * (t22 - t31);
+        p[0].t[k] = s[0].t[k] + (o_1_0 * t35 + cos_1 * t56) - (o_1_1 * t38 + sin_1 * t59);
+        p[1].t[k] = s[1].t[k] + (o_1_1 * t35 + cos_1 * t59) + (o_1_0 * t38 + sin_1 * t56);
+        p[2].t[k] = s[0].t[k] - (o_2_0 * t35 + cos_1 * t68) + (o_2_1 * t38 + sin_1 * t71);
+        p[3].t[k] = s[1].t[k] - (o_2_1 * t35 + cos_1 * t71) - (o_2_0 * t38 + sin_1 * t68);
+        phi[0].t[k] = h21 * (cos_1 * t38 - sin_1 * t35);
+        phi[1].t[k] = h21 * (sin_1 * (t34 - t33) - cos_1 * (t37 - t36));
+        redundant[0].t[k] = -t72;
+        redundant[1].t[k] = t73;
+        redundant[2].t[k] = t74;
+        redundant[3].t[k] = -t75;
+        redundant[4].t[k] = t76;
+        redundant[5].t[k] = t77;
+        det_J[0].t[k] = t78;
+        det_J[1].t[k] = t79;
+        count[0].t[k] = 0.0;
+    }
+}
+
+/* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
+ * (155 add, 208 multiply, 5 divide, 1 square root, 1 arctangent) */
+static inline void krhpr_platform_planar_c_assembly_mode_tangent(
+    const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side,
+    krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT p,
+    krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant)
+{
+    const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
+    const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
+    const double lambda_3 = slide[0].v * slide[3].v - slide[1].v * slide[2].v;
+    const double s_12_0 = s[2].v - s[0].v;
+    const double s_12_1 = s[3].v - s[1].v;
+    const double s_13_0 = s[4].v - s[0].v;
+    const double s_13_1 = s[5].v - s[1].v;
+    const double h1 = slide[2].v * s_12_1 - slide[3].v * s_12_0;
+    const double h2 = slide[4].v * s_13_1 - slide[5].v * s_13_0;
+    const double A = lambda_2 * h1 + lambda_3 * h2;
+    const double h3 = slide[2].v * s_12_0 + slide[3].v * s_12_1;
+    const double h4 = slide[4].v * s_13_0 + slide[5].v * s_13_1;
+    const double h5 = lambda_2 * h3 + lambda_3 * h4;
+    const double AB_2 = A * A + h5 * h5;
+    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double h6 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double size = lambda_2_a * h6;
+    const double breadth_0 = AB_2 / size;
+    const double root = 1.0 / sqrt(AB_2);
+    const double h8 = h5 * root;
+    const double cos = side[0].v * h8;
+    const double h9 = A * root;
+    const double sin = side[0].v * h9;
+    const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
+    const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
+    const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
+    const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
+    const double g_2 = slide[2].v * q_2_1 - slide[3].v * q_2_0;
+    const double g_3 = slide[4].v * q_3_1 - slide[5].v * q_3_0;
+    const double h10 = slide[4].v * g_2 - slide[2].v * g_3;
+    const double h11 = lambda_2 * g_3;
+    const double h12 = lambda_3 * g_2;
+    const double h14 = lambda_1 * h10 + slide[0].v * h11 - slide[0].v * h12;
+    const double h13 = 1.0 / lambda_2_a;
+    const double o_0 = h14 * h13;
+    const double h15 = slide[5].v * g_2 - slide[3].v * g_3;
+    const double h16 = lambda_1 * h15 + slide[1].v * h11 - slide[1].v * h12;
+    const double o_1 = h13 * h16;
+    const double S_2_0 = q_2_0 - o_0;
+    const double S_2_1 = q_2_1 - o_1;
+    const double S_3_0 = q_3_0 - o_0;
+    const double S_3_1 = q_3_1 - o_1;
+    const double h7 = 1.0 / size;
+    const double h17 = 1.0 / (cos * cos + sin * sin);
+    radicand[0].v = AB_2;
+    breadth[0].v = breadth_0;
+    p[0].v = s[0].v + cos * o_0 - sin * o_1;
+    p[1].v = s[1].v + cos * o_1 + sin * o_0;
+    phi[0].v = krhpr_atan2(sin, cos);
+    redundant[0].v = -(slide[0].v * o_0 + slide[1].v * o_1);
+    redundant[1].v = slide[2].v * S_2_0 + slide[3].v * S_2_1;
+    redundant[2].v = slide[4].v * S_3_0 + slide[5].v * S_3_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
+        const double t2 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
+        const double t3 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
+        const double t4 = s[2].t[k] - s[0].t[k];
+        const double t5 = s[3].t[k] - s[1].t[k];
+        const double t6 = s[4].t[k] - s[0].t[k];
+        const double t7 = s[5].t[k] - s[1].t[k];
+        const double t8 = s_12_1 * slide[2].t[k] + slide[2].v * t5 - (s_12_0 * slide[3].t[k] + slide[3].v * t4);
+        const double t9 = s_13_1 * slide[4].t[k] + slide[4].v * t7 - (s_13_0 * slide[5].t[k] + slide[5].v * t6);
+        const double t10 = h1 * t2 + lambda_2 * t8 + (h2 * t3 + lambda_3 * t9);
+        const double t11 = s_12_0 * slide[2].t[k] + slide[2].v * t4 + (s_12_1 * slide[3].t[k] + slide[3].v * t5);
+        const double t12 = s_13_0 * slide[4].t[k] + slide[4].v * t6 + (s_13_1 * slide[5].t[k] + slide[5].v * t7);
+        const double t13 = h3 * t2 + lambda_2 * t11 + (h4 * t3 + lambda_3 * t12);
+        const double t14 = A * t10;
+        const double t15 = h5 * t13;
+        const double t16 = t14 + t14 + (t15 + t15);
+        const double t17 = lambda_1 * t1;
+        const double t18 = lambda_2 * t2;
+        const double t19 = lambda_3 * t3;
+        const double t20 = t17 + t17 + (t18 + t18) + (t19 + t19);
+        const double t21 = s_12_0 * t4;
+        const double t22 = s_12_1 * t5;
+        const double t23 = s_13_0 * t6;
+        const double t24 = s_13_1 * t7;
+        const double t25 = breadth_0 * (h6 * t20 + lambda_2_a * (t21 + t21 + (t22 + t22) + (t23 + t23) + (t24 + t24)));
+        const double t26 = root * (root * (root * (0.5 * t16)));
+        const double t27 = h8 * side[0].t[k] + side[0].v * (root * t13 - h5 * t26);
+        const double t28 = h9 * side[0].t[k] + side[0].v * (root * t10 - A * t26);
+        const double t29 = cos * t4 + s_12_0 * t27 + (sin * t5 + s_12_1 * t28);
+        const double t30 = cos * t5 + s_12_1 * t27 - (sin * t4 + s_12_0 * t28);
+        const double t31 = cos * t6 + s_13_0 * t27 + (sin * t7 + s_13_1 * t28);
+        const double t32 = cos * t7 + s_13_1 * t27 - (sin * t6 + s_13_0 * t28);
+        const double t33 = q_2_1 * slide[2].t[k] + slide[2].v * t30 - (q_2_0 * slide[3].t[k] + slide[3].v * t29);
+        const double t34 = q_3_1 * slide[4].t[k] + slide[4].v * t32 - (q_3_0 * slide[5].t[k] + slide[5].v * t31);
+        const double t35 = g_2 * slide[4].t[k] + slide[4].v * t33 - (g_3 * slide[2].t[k] + slide[2].v * t34);
+        const double t36 = g_3 * t2 + lambda_2 * t34;
+        const double t37 = g_2 * t3 + lambda_3 * t33;
+        const double t38 = h10 * t1 + lambda_1 * t35 + (h11 * slide[0].t[k] + slide[0].v * t36) - (h12 * slide[0].t[k] + slide[0].v * t37);
+        const double t39 = h13 * (h13 * t20);
+        const double t40 = h13 * t38 - h14 * t39;
+        const double t41 = g_2 * slide[5].t[k] + slide[5].v * t33 - (g_3 * slide[3].t[k] + slide[3].v * t34);
+        const double t42 = h15 * t1 + lambda_1 * t41 + (h11 * slide[1].t[k] + slide[1].v * t36) - (h12 * slide[1].t[k] + slide[1].v * t37);
+        const double t43 = h13 * t42 - h16 * t39;
+        const double t44 = o_0 * slide[0].t[k] + slide[0].v * t40 + (o_1 * slide[1].t[k] + slide[1].v * t43);
+        const double t45 = S_2_0 * slide[2].t[k] + slide[2].v * (t29 - t40) + (S_2_1 * slide[3].t[k] + slide[3].v * (t30 - t43));
+        const double t46 = S_3_0 * slide[4].t[k] + slide[4].v * (t31 - t40) + (S_3_1 * slide[5].t[k] + slide[5].v * (t32 - t43));
+        radicand[0].t[k] = t16;
+        breadth[0].t[k] = h7 * (t16 - t25);
+        p[0].t[k] = s[0].t[k] + (o_0 * t27 + cos * t40) - (o_1 * t28 + sin * t43);
+        p[1].t[k] = s[1].t[k] + (o_1 * t27 + cos * t43) + (o_0 * t28 + sin * t40);
+        phi[0].t[k] = h17 * (cos * t28 - sin * t27);
+        redundant[0].t[k] = -t44;
+        redundant[1].t[k] = t45;
+        redundant[2].t[k] = t46;
+    }
+}
+
 #endif

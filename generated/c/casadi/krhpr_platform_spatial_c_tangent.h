@@ -651,4 +651,30 @@ static inline void krhpr_platform_spatial_c_type_2_tangent(
     }
 }
 
+/* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
+static inline void krhpr_platform_spatial_c_tie_tangent(
+    const krhpr_platform_spatial_c_geometry *g, krhpr_dual *KRHPR_RESTRICT slide)
+{
+    slide[0].v = g->t[0];
+    slide[1].v = g->t[1];
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        slide[0].t[k] = 0.0;
+        slide[1].t[k] = 0.0;
+    }
+}
+
+/* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.30),
+ * (2.31).  (no operations) */
+static inline void krhpr_platform_spatial_c_assembly_modes_tangent(
+    const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *turned, krhpr_dual *KRHPR_RESTRICT count)
+{
+    (void)(s);
+    (void)(slide);
+    (void)(turned);
+    count[0].v = 2.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        count[0].t[k] = 0.0;
+    }
+}
+
 #endif

@@ -43,6 +43,8 @@
 #define krhpr_spatial_r_fivebar_b_link_points plain_link_points
 #define krhpr_spatial_r_fivebar_b_singularity plain_singularity
 #define krhpr_spatial_r_fivebar_b_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_spatial_r_fivebar_b_forward_all plain_forward_all
+#define krhpr_spatial_r_fivebar_b_forward plain_forward
 #include "../krhpr_spatial_r_fivebar_b.c"
 #undef krhpr_spatial_r_fivebar_b_rotation_error
 #undef krhpr_spatial_r_fivebar_b_end_points
@@ -64,6 +66,8 @@
 #undef krhpr_spatial_r_fivebar_b_link_points
 #undef krhpr_spatial_r_fivebar_b_singularity
 #undef krhpr_spatial_r_fivebar_b_type_2_of_redundant
+#undef krhpr_spatial_r_fivebar_b_forward_all
+#undef krhpr_spatial_r_fivebar_b_forward
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -80,9 +84,9 @@ static const krhpr_spatial_r_fivebar_b_geometry geometry = {
         { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.3, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.09, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.0225, 0.20249999999999999, 0.0225, 0.15, 0.0, 1.5, 11.111111111111112, 1.6666666666666667, 11.111111111111112, 22.222222222222225, 3.3333333333333335, -0.5000000000000001, -0.1250000000000001, -0.2165063509461096, 0.0} }
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .k = {0.0, 0.0, 0.075, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .k = {0.03247595264191644, -0.03247595264191644, 0.018749999999999985, -0.056250000000000015} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .k = {-0.03247595264191647, 0.03247595264191647, 0.01875000000000003, -0.05624999999999997} }
+        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .k = {0.0, 0.0, 0.075, 0.0, 0.075, 0.0} },
+        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .k = {0.03247595264191644, -0.03247595264191644, 0.018749999999999985, -0.056250000000000015, 0.075, 0.0} },
+        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .k = {-0.03247595264191647, 0.03247595264191647, 0.01875000000000003, -0.05624999999999997, 0.075, 0.0} }
     }
 };
 
@@ -1192,3 +1196,49 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_all -- */
+
+static int value_forward_all(const double *x, double *y)
+{
+    return plain_forward_all(&geometry, x, x[9], y, y + 6, y + 24, y + 30, y + 32);
+}
+
+static const krhpr_casadi_slot in_forward_all[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_turned", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_all[] = {
+    {"out_p", 2, 3, 1, NULL, P14, P15},
+    {"out_Q1", 3, 3, 1, NULL, P0, P1},
+    {"out_Q2", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 2, 3, 1, NULL, P14, P15},
+    {"out_det_J", 2, 1, 1, NULL, P20, P21},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_all = {
+    2, in_forward_all, 6, out_forward_all, value_forward_all, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+
+/* -- forward -- */
+
+static int value_forward(const double *x, double *y)
+{
+    return plain_forward(&geometry, x, x + 9, x[12], y, y + 3, y + 12);
+}
+
+static const krhpr_casadi_slot in_forward[] = {
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_assembly", 3, 1, 1, assembly_default, P4, P5},
+    {"out_side", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_forward = {
+    3, in_forward, 3, out_forward, value_forward, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)

@@ -43,6 +43,8 @@
 #define krhpr_spatial_r_fivebar_c_link_points plain_link_points
 #define krhpr_spatial_r_fivebar_c_singularity plain_singularity
 #define krhpr_spatial_r_fivebar_c_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_spatial_r_fivebar_c_forward_all plain_forward_all
+#define krhpr_spatial_r_fivebar_c_forward plain_forward
 #include "../krhpr_spatial_r_fivebar_c.c"
 #undef krhpr_spatial_r_fivebar_c_rotation_error
 #undef krhpr_spatial_r_fivebar_c_end_points
@@ -64,6 +66,8 @@
 #undef krhpr_spatial_r_fivebar_c_link_points
 #undef krhpr_spatial_r_fivebar_c_singularity
 #undef krhpr_spatial_r_fivebar_c_type_2_of_redundant
+#undef krhpr_spatial_r_fivebar_c_forward_all
+#undef krhpr_spatial_r_fivebar_c_forward
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -1191,3 +1195,49 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_all -- */
+
+static int value_forward_all(const double *x, double *y)
+{
+    return plain_forward_all(&geometry, x, x[9], y, y + 6, y + 24, y + 30, y + 32);
+}
+
+static const krhpr_casadi_slot in_forward_all[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_turned", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_all[] = {
+    {"out_p", 2, 3, 1, NULL, P14, P15},
+    {"out_Q1", 3, 3, 1, NULL, P0, P1},
+    {"out_Q2", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 2, 3, 1, NULL, P14, P15},
+    {"out_det_J", 2, 1, 1, NULL, P20, P21},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_all = {
+    2, in_forward_all, 6, out_forward_all, value_forward_all, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+
+/* -- forward -- */
+
+static int value_forward(const double *x, double *y)
+{
+    return plain_forward(&geometry, x, x + 9, x[12], y, y + 3, y + 12);
+}
+
+static const krhpr_casadi_slot in_forward[] = {
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_assembly", 3, 1, 1, assembly_default, P4, P5},
+    {"out_side", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_forward = {
+    3, in_forward, 3, out_forward, value_forward, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)

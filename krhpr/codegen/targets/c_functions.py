@@ -50,6 +50,7 @@ class FunctionView:
     optional: tuple[tuple[str, str], ...]
     finite: tuple[tuple[str, int], ...]
     fills: tuple[tuple[str, int], ...]
+    empties: tuple[str, ...]
     zeros: tuple[tuple[str, int], ...]
     shared_locals: tuple[str, ...]
     leg_locals: tuple[str, ...]
@@ -62,6 +63,7 @@ class FunctionView:
     scatters: tuple[Scatter, ...]
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
+    platform_tail_stores: tuple[tuple[str, str], ...]
     platform_calls: tuple[str, ...]
     leg_guards: tuple[GuardView, ...]
     platform_guards: tuple[GuardView, ...]
@@ -161,6 +163,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         ),
         finite=tuple((_address(port), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
+        empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
             _local(variable, legs=variable.per_leg)
@@ -187,6 +190,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         ),
         tail_count=plan.tail_count,
         tail_stores=tuple(plan.tail_stores),
+        platform_tail_stores=tuple(plan.platform_tail_stores),
         platform_calls=tuple(plan.calls[Stage.PLATFORM]),
         leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
         platform_guards=tuple(
@@ -221,6 +225,7 @@ class _Plan:
         self.shared_angle_calls: list[str] = []
         self.leg_angle_calls: list[str] = []
         self.tail_stores: list[tuple[str, str]] = []
+        self.platform_tail_stores: list[tuple[str, str]] = []
         self.calls: dict[Stage, list[str]] = {stage: [] for stage in Stage}
         self.leg_calls: list[LegCall] = []
         self._offsets: dict[str, str] = {}
@@ -301,8 +306,10 @@ class _Plan:
         """Where the body leaves the operands of its arctangents; they are computed after the loop."""
         if not phases.tails:
             return {}
+        if call.stage is Stage.PLATFORM:
+            return self._platform_tails(call, phases)
         if call.stage is not Stage.LEG:
-            raise ValueError(f"{call.part}.{call.kernel}: arctangents are expected in leg kernels only")
+            raise ValueError(f"{call.part}.{call.kernel}: arctangents of shared kernels are not put off")
         first = f"{self.tail_count} + " if self.tail_count else ""
         where = f"{first}{phases.tail_size} * i"
         for tail in phases.tails:
@@ -317,6 +324,22 @@ class _Plan:
                 self.tail_stores.append((target, f"tail[{where} + {slot}]"))
         self.tail_count += phases.tail_size * LEGS
         return {"tail_y": f"tail_y + {where}", "tail_x": f"tail_x + {where}"}
+
+    def _platform_tails(self, call: Call, phases: Phases) -> dict[str, str]:
+        """The same for a kernel of the whole platform."""
+        first = self.tail_count
+        for tail in phases.tails:
+            variable = self.known[call.variable_out(tail.port.name)]
+            if variable.kind != "output":
+                raise ValueError(
+                    f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output"
+                )
+            for index, slot in enumerate(tail.slots):
+                target = f"{variable.name}[{index}]" if variable.port.shape else f"*{variable.name}"
+                self.platform_tail_stores.append((target, f"tail[{first + slot}]"))
+        self.tail_count += phases.tail_size
+        at = f" + {first}" if first else ""
+        return {"tail_y": f"tail_y{at}", "tail_x": f"tail_x{at}"}
 
     def _text(
         self, call: Call, part: Part, kernel: Kernel, special: dict[str, str], indent: int | None = None

@@ -8,6 +8,7 @@ from typing import Any
 from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import (
     LEG_STATUSES,
+    SIGNS,
     STATUS_DOC,
     Call,
     Guard,
@@ -131,7 +132,9 @@ def _kernel(kernel: Kernel, functions: Mapping[Op, str]) -> dict[str, Any]:
 def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
     read = function.read(robot.parts, guards=True)
-    optional = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
+    per_leg = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
+    optional = {name: f"({value},) * 3" for name, value in per_leg.items()}
+    optional |= dict.fromkeys(SIGNS, "1.0")
     present = [port.name for port in function.inputs if port.name in optional]
     return {
         "name": function.name,
@@ -146,7 +149,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         ],
         "names": [port.name for port in function.inputs],
         "names_of_all": [port.name for port in function.inputs if port.name != "theta_near"],
-        "optional": [(name, f"({optional[name]},) * 3") for name in present],
+        "optional": [(name, optional[name]) for name in present],
         "nearest": not function.calls,
         "uses_geometry": function.uses_geometry(robot.parts),
         "input_docs": [
@@ -208,4 +211,6 @@ def _guard(guard: Guard, known: Mapping[str, Variable], function: RobotFunction)
     per_leg = known[guard.variable].per_leg and guard.status in LEG_STATUSES
     value, status = f"{guard.variable}[{guard.index}]", f"Status.{guard.status.name}"
     spoilt = "(" + "".join(f'"{port.name}", ' for port in guard.spoilt(function.outputs)) + ")"
-    return f"{value}, {at_least}, {guard.limit!r}, {status}, {per_leg}, {spoilt}"
+    empties = "(" + "".join(f'"{name}", ' for name in guard.empties) + ")"
+    texts = [value, str(at_least), repr(guard.limit), status, str(per_leg), spoilt]
+    return ", ".join([*texts, *([empties] if guard.empties else [])])

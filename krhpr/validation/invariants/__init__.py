@@ -4,7 +4,7 @@ Closed loops, there-and-back, virtual work, and the symmetries of the problem.  
 functions of one target, at random configurations of a random geometry.
 """
 
-from krhpr.validation.invariants import passive, position, singularities, symmetries, velocity
+from krhpr.validation.invariants import forward, passive, position, singularities, symmetries, velocity
 from krhpr.validation.outcome import Runner
 from krhpr.validation.paths import nearest_modes
 
@@ -13,6 +13,7 @@ RUNNERS: dict[str, Runner] = {
     **velocity.RUNNERS,
     **singularities.RUNNERS,
     **passive.RUNNERS,
+    **forward.RUNNERS,
     **symmetries.RUNNERS,
     "nearest mode": nearest_modes,
 }

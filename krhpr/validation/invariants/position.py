@@ -29,7 +29,7 @@ def redundant_coordinates(one: Numeric, batch: Batch, found: Measured) -> None:
     found.worse(relative(port, got, batch.values["redundant"]), "redundant")
 
 
-def _assemblies(one: Numeric, count: int) -> list[dict[str, Floats]]:
+def every_assembly(one: Numeric, count: int) -> list[dict[str, Floats]]:
     """The argument `assembly` for every assembly mode; none for open chains."""
     signs = [np.array(entry, dtype=float) for entry in one.subject.code.assembly_signs]
     return [
@@ -44,7 +44,7 @@ def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     every = call(one, batch, "subleg_inverse")["theta"]
     for mode, label in enumerate(one.subject.code.mode_labels):
         errors = []
-        for assembly in _assemblies(one, len(batch)):
+        for assembly in every_assembly(one, len(batch)):
             ends = call(one, batch, "subleg_forward", theta=every[:, :, mode], **assembly)["s"]
             errors.append(np.abs(ends - s).max(axis=-1) / np.abs(s).max(axis=-1))
         ordered = np.sort(np.nan_to_num(errors, nan=np.inf), axis=0)
@@ -58,7 +58,7 @@ def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
 def inverse_after_forward(one: Numeric, batch: Batch, found: Measured) -> None:
     """The nearest of all working modes."""
     theta = batch.values["theta"]
-    for index, assembly in enumerate(_assemblies(one, len(batch))):
+    for index, assembly in enumerate(every_assembly(one, len(batch))):
         ends = call(one, batch, "subleg_forward", **assembly)["s"]
         every = call(one, batch, "subleg_inverse", s=ends)["theta"]
         gap = np.abs(arc(every, theta[:, :, None], one.subject.code.angular)).max(axis=-1)

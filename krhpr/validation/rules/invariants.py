@@ -122,6 +122,23 @@ INVARIANTS = (
         ("singularity",),
     ),
     Rule(
+        "assembly modes",
+        "forward_all",
+        ROUND_TRIP,
+        BATCH,
+        "The pose is among the solutions, each of which closes the platform, has the det J of its redundant "
+        "coordinates, and lies on a side of type II of its own.",
+        ("end_points", "constraints", "type_2_of_redundant"),
+    ),
+    Rule(
+        "pose after inverse",
+        "forward",
+        ROUND_TRIP,
+        BATCH,
+        "From the joints alone the pose and the redundant coordinates come back, on their side of type II.",
+        ("forward_all",),
+    ),
+    Rule(
         "singular configurations",
         "twist",
         EXACT,

@@ -245,6 +245,15 @@ PLATFORM_PROOFS = (
 
 ROBOT_PROOFS = (
     Proof(
+        "assembly modes close",
+        "forward_all",
+        BALL,
+        FEW,
+        "Every solution satisfies the constraint equations, its det J is that of its redundant coordinates, "
+        "and one of them is the pose that the end points come from.",
+        ("constraints", "redundant_coordinates", "type_2_of_redundant"),
+    ),
+    Proof(
         "joint motion",
         "joint_rates",
         EXACT,

@@ -1,0 +1,75 @@
+"""Forward kinematics: the pose is found again, and every other solution is one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from krhpr.validation.differences import arc, call
+from krhpr.validation.invariants.batch import close, runner
+from krhpr.validation.invariants.position import every_assembly
+from krhpr.validation.numeric import Floats, Numeric
+from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.sampling import Batch
+from krhpr.validation.scale import relative
+
+
+def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
+    """Each solution closes the platform; the nearest is the pose."""
+    result = call(one, batch, "forward_all")
+    modes = result["p"].shape[1]
+    pose = batch.pose
+    rows = np.abs(call(one, batch, "jacobians")["J"]).max(axis=-1)
+    errors = []
+    for mode in range(modes):
+        there = {name: result[name][:, mode] for name in pose}
+        residual = call(one, batch, "constraints", **there)["residual"]
+        found.worse(np.abs(residual) / rows, f"residual of solution {mode + 1}")
+        known = call(one, batch, "type_2_of_redundant", redundant=result["redundant"][:, mode])
+        close(found, result["det_J"][:, mode], known["type_2"].prod(axis=-1), "det J", 0)
+        first = known["margins"][:, 0] * (1 if mode == 0 else -1)
+        found.worse((first <= 0).astype(float), f"solution {mode + 1} is on the wrong side")
+        errors.append(_distance(batch, {**there, "redundant": result["redundant"][:, mode]}))
+    found.worse(np.min(errors, axis=0), "the pose is missing")
+    found.worse((result["count"] != modes).astype(float), "count")
+
+
+def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
+    """Each leg in the assembly mode that leads to its end point."""
+    side = np.sign(call(one, batch, "type_2_of_redundant")["margins"][:, 0])
+    result = call(one, batch, "forward", side=side, **_assembly(one, batch))
+    found.worse(_distance(batch, result), "pose")
+
+
+def _assembly(one: Numeric, batch: Batch) -> dict[str, Floats]:
+    """The argument `assembly`, leg by leg; nothing for open chains."""
+    choices = every_assembly(one, len(batch))
+    if not choices[0]:
+        return {}
+    ends = np.stack([call(one, batch, "subleg_forward", **choice)["s"] for choice in choices])
+    gaps = np.nan_to_num(np.abs(ends - batch.values["s"]).max(axis=-1), nan=np.inf)
+    signs = np.stack([choice["assembly"] for choice in choices])
+    best = np.argmin(gaps, axis=0)[None, :, :, None]
+    return {"assembly": np.take_along_axis(signs, np.broadcast_to(best, (1, *signs.shape[1:])), axis=0)[0]}
+
+
+def _distance(batch: Batch, result: dict[str, Floats]) -> Floats:
+    """How far a pose with its redundant coordinates is from that of the batch."""
+    ports = {port.name: port for port in batch.subject.code.function("redundant_coordinates").inputs}
+    ports["redundant"] = batch.subject.code.function("redundant_coordinates").outputs[0]
+    total: Any = 0.0
+    for name in (*batch.pose, "redundant"):
+        got, wanted = result[name], batch.values[name]
+        if name == "phi":
+            error = np.abs(arc(got, wanted, (True,)))
+        else:
+            error = relative(ports[name], got, wanted)
+        total = np.maximum(total, error.reshape(len(batch), -1).max(axis=-1))
+    return np.asarray(total)
+
+
+RUNNERS: dict[str, Runner] = {
+    "assembly modes": runner(assembly_modes),
+    "pose after inverse": runner(forward_after_inverse),
+}
