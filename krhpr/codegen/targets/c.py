@@ -30,6 +30,7 @@ class CTarget:
     def shared(self) -> Iterable[File]:
         statuses = [(status.name, status.value, STATUS_DOC[status]) for status in Status]
         yield File("c/krhpr_elementary.h", render("c/krhpr_elementary.h.j2"))
+        yield File("c/krhpr_roots.h", render("c/krhpr_roots.h.j2"))
         yield File("c/krhpr.h", render("c/krhpr.h.j2", statuses=statuses))
 
     def part(self, part: Part) -> Iterable[File]:

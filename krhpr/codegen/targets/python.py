@@ -37,6 +37,7 @@ class PythonTarget:
 
     def shared(self) -> Iterable[File]:
         statuses = [(status.name, status.value, STATUS_DOC[status]) for status in Status]
+        yield File("python/roots.py", render("python/roots.py.j2"))
         yield File("python/runtime.py", render("python/runtime.py.j2", statuses=statuses))
 
     def part(self, part: Part) -> Iterable[File]:
