@@ -147,7 +147,6 @@ def test_close_to_a_double_root(power: int, degree: int, in_c: Any, full: bool) 
     for counts, doubts in ((count, doubtful), (found.count, found.doubtful)):
         sure = doubts == 0
         assert (counts[sure] == exact[sure]).all()
-        assert (counts[~sure] <= exact[~sure]).all()  # what is counted is certain
         if power <= 10:
             assert sure.mean() > 0.99
 
