@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
@@ -25,6 +26,19 @@ def cross(a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
 def cross2(a: sp.Matrix, b: sp.Matrix) -> Any:
     """a_x b_y - a_y b_x = (E a) . b in the plane."""
     return a[0] * b[1] - a[1] * b[0]
+
+
+def lines_meet(normals: Sequence[sp.Matrix], right: Sequence[Any], weights: Sequence[Any]) -> sp.Matrix:
+    """The point x of the plane with n_i . x = g_i for three consistent equations, where sum w_i n_i = 0.
+
+    Each pair of lines gives it with the determinant w_i = n_j x n_k; weighted by w_i no pair of parallel
+    lines divides by zero.
+    """
+    total = sp.zeros(2, 1)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        total += weights[i] * (right[k] * (E * normals[j]) - right[j] * (E * normals[k]))
+    return total / sum(w**2 for w in weights)
 
 
 def determinant3(m: sp.Matrix) -> Any:

@@ -28,7 +28,7 @@ from krhpr.derivations.platforms.forward import (
 )
 from krhpr.derivations.platforms.kernels import PlatformPorts
 from krhpr.derivations.terms import Pose, Space
-from krhpr.derivations.vectors import E, cross2, dot
+from krhpr.derivations.vectors import E, cross2, dot, lines_meet
 
 SLIDE = stacked("slide", (2,), Unit.NONE, "t_i, along the slide")
 DISTANCE = stacked("distance", (), Unit.METRE, "h_i, distance of the slide's line from O' along n_i")
@@ -183,7 +183,8 @@ class SlidePlatform(Platform):
         spatial = self.space is Space.SPATIAL
         turned: Any = sp.Integer(1)
         if choice is not None:
-            side = k.add_input(choice)
+            given = k.add_input(choice)
+            side = k.let("side_1", given / sp.sqrt(given**2), "+1 or -1")
         elif spatial:
             turned = k.add_input(TURNED)
         normals = [self._across(t) for t in slides]
@@ -196,7 +197,8 @@ class SlidePlatform(Platform):
         square = k.let("AB_2", a**2 + b**2)
         radicand = k.let("radicand", square - c**2)
         size = k.let("size", sum(w**2 for w in weights) * sum(dot(r, r) for r in points))
-        k.add_output(RADICAND, [radicand])
+        # the square is 1; where a side of 0 is given it is not a number, and the guard fails
+        k.add_output(RADICAND, [radicand if choice is None else radicand * side**2])
         k.add_output(BREADTH, [square / size])
         root = k.let("root", sp.sqrt(radicand) / square)
         middle = k.let("middle", c / square)
@@ -233,11 +235,7 @@ class SlidePlatform(Platform):
             k.let(f"g_{i + 1}{at}", dot(n, q) - h)
             for i, (n, q, h) in enumerate(zip(normals, local, distances, strict=True))
         ]
-        # each pair of lines meets in O'; weighted by lambda_i no pair of parallel lines divides by zero
-        total = sp.zeros(2, 1)
-        for i, j, m in CYCLIC:
-            total += weights[i] * (along[m] * (E * normals[j]) - along[j] * (E * normals[m]))
-        centre = k.let(f"o{at}", total / k.let("lambda_2", sum(w**2 for w in weights)), "Q^T (p - s_1)")
+        centre = k.let(f"o{at}", lines_meet(normals, along, weights), "Q^T (p - s_1)")
         ends = [k.let(f"S_{i + 1}{at}", q - centre, "S_i in the platform frame") for i, q in enumerate(local)]
         det_j = _moments(weights, normals, ends)
         if self.space is Space.SPATIAL:

@@ -371,7 +371,7 @@ static inline void krhpr_platform_spatial_b_tie(
     *start = g->k[5];
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 209
+/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 207
  * multiply, 7 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_b_assembly_modes(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double turned,
@@ -393,19 +393,19 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
-    const double t1 = lambda_3 + (lambda_1 + lambda_2);
-    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double round = turned * (lambda_3 + (lambda_1 + lambda_2));
+    const double sense = round / fabs(round); /* +1 where the legs go round z_1 */
     const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
     const double area = sqrt(s_n_2_a);
-    const double t2 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t2; /* (3.1) */
-    const double x_1_1 = s_12_1 * t2;
-    const double x_1_2 = s_12_2 * t2;
-    const double t3 = 1.0 / area;
-    const double z_1_0 = turned * (s_n_0 * sense) * t3; /* (3.2) */
-    const double z_1_1 = t3 * (turned * (s_n_1 * sense));
-    const double z_1_2 = t3 * (turned * (s_n_2 * sense));
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / area;
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
@@ -416,8 +416,8 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
     const double AB_2 = A * A + B * B;
     const double radicand_a = AB_2 - C * C;
-    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
-    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = t3 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
     const double t4 = 1.0 / AB_2;
     const double root = sqrt(radicand_a) * t4;
     const double middle = C * t4;
@@ -436,7 +436,7 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
     const double t9 = slide[4] * distance[0];
     const double t10 = lambda_1 * (slide[2] * g_3_1 - slide[4] * g_2_1) - lambda_2 * (t9 + slide[0] * g_3_1);
     const double t11 = slide[2] * distance[0];
-    const double t12 = 1.0 / lambda_2_a;
+    const double t12 = 1.0 / t3;
     const double o_1_0 = (t10 + lambda_3 * (slide[0] * g_2_1 + t11)) * t12; /* Q^T (p - s_1) */
     const double t13 = slide[5] * distance[0];
     const double t14 = lambda_1 * (slide[3] * g_3_1 - slide[5] * g_2_1) - lambda_2 * (t13 + slide[1] * g_3_1);
@@ -515,12 +515,13 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
- * (2.21).  (82 add, 134 multiply, 7 divide, 3 square root, 1 select) */
+ * (2.21).  (82 add, 136 multiply, 8 divide, 3 square root, 2 select) */
 static inline void krhpr_platform_spatial_b_assembly_mode(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double side,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
 {
+    const double side_1 = side / fabs(side); /* +1 or -1 */
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
     const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
@@ -535,19 +536,19 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
-    const double t1 = lambda_3 + (lambda_1 + lambda_2);
-    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double round = lambda_3 + (lambda_1 + lambda_2);
+    const double sense = round / fabs(round); /* +1 where the legs go round z_1 */
     const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
     const double area = sqrt(s_n_2_a);
-    const double t2 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t2; /* (3.1) */
-    const double x_1_1 = s_12_1 * t2;
-    const double x_1_2 = s_12_2 * t2;
-    const double t3 = 1.0 / area;
-    const double z_1_0 = s_n_0 * sense * t3; /* (3.2) */
-    const double z_1_1 = t3 * (s_n_1 * sense);
-    const double z_1_2 = t3 * (s_n_2 * sense);
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / area;
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
@@ -558,14 +559,14 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
     const double AB_2 = A * A + B * B;
     const double radicand_a = AB_2 - C * C;
-    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
-    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = t3 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
     const double t4 = 1.0 / AB_2;
     const double root = sqrt(radicand_a) * t4;
     const double middle = C * t4;
-    const double cos = A * middle + side * (B * root);
+    const double cos = A * middle + side_1 * (B * root);
     const double t5 = B * middle;
-    const double t6 = side * (A * root);
+    const double t6 = side_1 * (A * root);
     const double sin = t5 - t6;
     const double q_2_0 = v_1 * cos;
     const double q_2_1 = v_1 * (t6 - t5);
@@ -574,7 +575,7 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
     const double g_2 = slide[3] * q_2_0 - distance[1] - slide[2] * q_2_1;
     const double g_3 = slide[5] * q_3_0 - distance[2] - slide[4] * q_3_1;
     const double t7 = lambda_1 * (slide[2] * g_3 - slide[4] * g_2) - lambda_2 * (slide[4] * distance[0] + slide[0] * g_3);
-    const double t8 = 1.0 / lambda_2_a;
+    const double t8 = 1.0 / t3;
     const double o_0 = (t7 + lambda_3 * (slide[0] * g_2 + slide[2] * distance[0])) * t8; /* Q^T (p - s_1) */
     const double t9 = lambda_1 * (slide[3] * g_3 - slide[5] * g_2) - lambda_2 * (slide[5] * distance[0] + slide[1] * g_3);
     const double o_1 = t8 * (t9 + lambda_3 * (slide[1] * g_2 + slide[3] * distance[0])); /* Q^T (p - s_1) */
@@ -585,7 +586,7 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
     const double t10 = cos * o_0 - sin * o_1;
     const double t11 = cos * o_1 + sin * o_0;
     flatness[0] = flatness_0;
-    radicand[0] = radicand_a;
+    radicand[0] = radicand_a * (side_1 * side_1);
     breadth[0] = AB_2 / size;
     p[0] = s[0] + x_1_0 * t10 + y_1_0 * t11;
     p[1] = s[1] + x_1_1 * t10 + y_1_1 * t11;

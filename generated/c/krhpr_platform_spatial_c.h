@@ -344,7 +344,7 @@ static inline void krhpr_platform_spatial_c_tie(
     slide[1] = g->t[1];
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 184
+/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 182
  * multiply, 7 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_c_assembly_modes(
     const double s[9], const double slide[6], double turned, double *KRHPR_RESTRICT flatness,
@@ -366,33 +366,33 @@ static inline void krhpr_platform_spatial_c_assembly_modes(
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
-    const double t1 = lambda_3 + (lambda_1 + lambda_2);
-    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double round = turned * (lambda_3 + (lambda_1 + lambda_2));
+    const double sense = round / fabs(round); /* +1 where the legs go round z_1 */
     const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
     const double area = sqrt(s_n_2_a);
-    const double t2 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t2; /* (3.1) */
-    const double x_1_1 = s_12_1 * t2;
-    const double x_1_2 = s_12_2 * t2;
-    const double t3 = 1.0 / area;
-    const double z_1_0 = turned * (s_n_0 * sense) * t3; /* (3.2) */
-    const double z_1_1 = t3 * (turned * (s_n_1 * sense));
-    const double z_1_2 = t3 * (turned * (s_n_2 * sense));
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / area;
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
     const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
     const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double t4 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
-    const double t5 = v_1 * (slide[3] * lambda_2);
-    const double A = t4 - t5;
-    const double t6 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
-    const double AB_2 = A * A + t6 * t6;
-    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
-    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double t3 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
+    const double t4 = v_1 * (slide[3] * lambda_2);
+    const double A = t3 - t4;
+    const double t5 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
+    const double AB_2 = A * A + t5 * t5;
+    const double t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = t6 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
     const double root = 1.0 / sqrt(AB_2);
-    const double cos_1 = t6 * root;
+    const double cos_1 = t5 * root;
     const double sin_1 = A * root;
     const double q_2_1_0 = v_1 * cos_1;
     const double t7 = v_1 * sin_1;
@@ -406,7 +406,7 @@ static inline void krhpr_platform_spatial_c_assembly_modes(
     const double t12 = lambda_2 * g_3_1;
     const double t13 = lambda_3 * t11;
     const double t14 = slide[0] * t12 - lambda_1 * (slide[4] * t11 + slide[2] * g_3_1) + slide[0] * t13;
-    const double t15 = 1.0 / lambda_2_a;
+    const double t15 = 1.0 / t6;
     const double o_1_0 = t14 * t15; /* Q^T (p - s_1) */
     const double t16 = slide[1] * t12 - lambda_1 * (slide[5] * t11 + slide[3] * g_3_1) + slide[1] * t13;
     const double o_1_1 = t15 * t16; /* Q^T (p - s_1) */
@@ -414,7 +414,7 @@ static inline void krhpr_platform_spatial_c_assembly_modes(
     const double t17 = t7 + o_1_1;
     const double S_3_1_0 = q_3_1_0 - o_1_0; /* S_i in the platform frame */
     const double S_3_1_1 = q_3_1_1 - o_1_1;
-    const double sin_2 = root * (t5 - t4);
+    const double sin_2 = root * (t4 - t3);
     const double t18 = v_1 * sin_2;
     const double q_3_2_0 = r_3_1 * sin_2 - t8;
     const double t19 = t9 + r_3_0 * sin_2;
@@ -488,12 +488,13 @@ static inline void krhpr_platform_spatial_c_assembly_modes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.30),
- * (2.31).  (67 add, 120 multiply, 7 divide, 3 square root, 1 select) */
+ * (2.31).  (67 add, 122 multiply, 8 divide, 3 square root, 2 select) */
 static inline void krhpr_platform_spatial_c_assembly_mode(
     const double s[9], const double slide[6], double side, double *KRHPR_RESTRICT flatness,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
 {
+    const double side_1 = side / fabs(side); /* +1 or -1 */
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
     const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
@@ -508,32 +509,32 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
-    const double t1 = lambda_3 + (lambda_1 + lambda_2);
-    const double sense = t1 / fabs(t1); /* +1 where the legs go round z' */
+    const double round = lambda_3 + (lambda_1 + lambda_2);
+    const double sense = round / fabs(round); /* +1 where the legs go round z_1 */
     const double flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
     const double area = sqrt(s_n_2_a);
-    const double t2 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t2; /* (3.1) */
-    const double x_1_1 = s_12_1 * t2;
-    const double x_1_2 = s_12_2 * t2;
-    const double t3 = 1.0 / area;
-    const double z_1_0 = s_n_0 * sense * t3; /* (3.2) */
-    const double z_1_1 = t3 * (s_n_1 * sense);
-    const double z_1_2 = t3 * (s_n_2 * sense);
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / area;
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
     const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
     const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
     const double A = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0) - v_1 * (slide[3] * lambda_2);
-    const double t4 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
-    const double AB_2 = A * A + t4 * t4;
-    const double lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
-    const double size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
+    const double t3 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
+    const double AB_2 = A * A + t3 * t3;
+    const double t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1);
     const double root = 1.0 / sqrt(AB_2);
-    const double cos = side * (t4 * root);
-    const double sin = side * (A * root);
+    const double cos = side_1 * (t3 * root);
+    const double sin = side_1 * (A * root);
     const double q_2_0 = v_1 * cos;
     const double t5 = v_1 * sin;
     const double q_3_0 = r_3_0 * cos + r_3_1 * sin;
@@ -542,7 +543,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
     const double g_3 = slide[4] * q_3_1 - slide[5] * q_3_0;
     const double t7 = lambda_2 * g_3;
     const double t8 = lambda_3 * t6;
-    const double t9 = 1.0 / lambda_2_a;
+    const double t9 = 1.0 / t4;
     const double o_0 = (slide[0] * t7 - lambda_1 * (slide[4] * t6 + slide[2] * g_3) + slide[0] * t8) * t9; /* Q^T (p - s_1) */
     const double o_1 = t9 * (slide[1] * t7 - lambda_1 * (slide[5] * t6 + slide[3] * g_3) + slide[1] * t8);
     const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
@@ -551,7 +552,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
     const double t10 = cos * o_0 - sin * o_1;
     const double t11 = cos * o_1 + sin * o_0;
     flatness[0] = flatness_0;
-    radicand[0] = AB_2;
+    radicand[0] = AB_2 * (side_1 * side_1);
     breadth[0] = AB_2 / size;
     p[0] = s[0] + x_1_0 * t10 + y_1_0 * t11;
     p[1] = s[1] + x_1_1 * t10 + y_1_1 * t11;

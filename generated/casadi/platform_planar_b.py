@@ -356,59 +356,59 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any) -> tuple[Any, 
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + t1 * t1
     radicand_a = AB_2 - C * C
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
-    t2 = 1 / AB_2
-    root = ca.sqrt(radicand_a) * t2
-    middle = C * t2
-    t3 = A * middle
-    t4 = t1 * root
-    cos_1 = t3 + t4
-    t5 = A * root
-    t6 = t1 * middle
-    sin_1 = t5 - t6
+    t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    t3 = 1 / AB_2
+    root = ca.sqrt(radicand_a) * t3
+    middle = C * t3
+    t4 = A * middle
+    t5 = t1 * root
+    cos_1 = t4 + t5
+    t6 = A * root
+    t7 = t1 * middle
+    sin_1 = t6 - t7
     q_2_1_0 = s_12_0 * cos_1 + s_12_1 * sin_1
     q_2_1_1 = s_12_1 * cos_1 - s_12_0 * sin_1
     q_3_1_0 = s_13_0 * cos_1 + s_13_1 * sin_1
     q_3_1_1 = s_13_1 * cos_1 - s_13_0 * sin_1
     g_2_1 = slide_10 * q_2_1_1 - distance_1 - slide_11 * q_2_1_0
     g_3_1 = slide_20 * q_3_1_1 - distance_2 - slide_21 * q_3_1_0
-    t7 = slide_20 * distance_0
-    t8 = lambda_1 * (slide_20 * g_2_1 - slide_10 * g_3_1) + lambda_2 * (slide_00 * g_3_1 + t7)
-    t9 = slide_10 * distance_0
-    t10 = 1 / lambda_2_a
-    o_1_0 = (t8 - lambda_3 * (t9 + slide_00 * g_2_1)) * t10  # Q^T (p - s_1)
-    t11 = slide_21 * distance_0
-    t12 = lambda_1 * (slide_21 * g_2_1 - slide_11 * g_3_1) + lambda_2 * (slide_01 * g_3_1 + t11)
-    t13 = slide_11 * distance_0
-    o_1_1 = t10 * (t12 - lambda_3 * (t13 + slide_01 * g_2_1))  # Q^T (p - s_1)
+    t8 = slide_20 * distance_0
+    t9 = lambda_1 * (slide_20 * g_2_1 - slide_10 * g_3_1) + lambda_2 * (slide_00 * g_3_1 + t8)
+    t10 = slide_10 * distance_0
+    t11 = 1 / t2
+    o_1_0 = (t9 - lambda_3 * (t10 + slide_00 * g_2_1)) * t11  # Q^T (p - s_1)
+    t12 = slide_21 * distance_0
+    t13 = lambda_1 * (slide_21 * g_2_1 - slide_11 * g_3_1) + lambda_2 * (slide_01 * g_3_1 + t12)
+    t14 = slide_11 * distance_0
+    o_1_1 = t11 * (t13 - lambda_3 * (t14 + slide_01 * g_2_1))  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
     S_2_1_1 = q_2_1_1 - o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0
     S_3_1_1 = q_3_1_1 - o_1_1
-    cos_2 = t3 - t4
-    t14 = t5 + t6
-    sin_2 = -t14
-    q_2_2_0 = s_12_0 * cos_2 - s_12_1 * t14
-    q_2_2_1 = s_12_1 * cos_2 + s_12_0 * t14
-    q_3_2_0 = s_13_0 * cos_2 - s_13_1 * t14
-    q_3_2_1 = s_13_1 * cos_2 + s_13_0 * t14
+    cos_2 = t4 - t5
+    t15 = t6 + t7
+    sin_2 = -t15
+    q_2_2_0 = s_12_0 * cos_2 - s_12_1 * t15
+    q_2_2_1 = s_12_1 * cos_2 + s_12_0 * t15
+    q_3_2_0 = s_13_0 * cos_2 - s_13_1 * t15
+    q_3_2_1 = s_13_1 * cos_2 + s_13_0 * t15
     g_2_2 = slide_10 * q_2_2_1 - distance_1 - slide_11 * q_2_2_0
     g_3_2 = slide_20 * q_3_2_1 - distance_2 - slide_21 * q_3_2_0
-    t15 = lambda_1 * (slide_20 * g_2_2 - slide_10 * g_3_2) + lambda_2 * (t7 + slide_00 * g_3_2)
-    o_2_0 = t10 * (t15 - lambda_3 * (t9 + slide_00 * g_2_2))  # Q^T (p - s_1)
-    t16 = lambda_1 * (slide_21 * g_2_2 - slide_11 * g_3_2) + lambda_2 * (t11 + slide_01 * g_3_2)
-    o_2_1 = t10 * (t16 - lambda_3 * (t13 + slide_01 * g_2_2))  # Q^T (p - s_1)
+    t16 = lambda_1 * (slide_20 * g_2_2 - slide_10 * g_3_2) + lambda_2 * (t8 + slide_00 * g_3_2)
+    o_2_0 = t11 * (t16 - lambda_3 * (t10 + slide_00 * g_2_2))  # Q^T (p - s_1)
+    t17 = lambda_1 * (slide_21 * g_2_2 - slide_11 * g_3_2) + lambda_2 * (t12 + slide_01 * g_3_2)
+    o_2_1 = t11 * (t17 - lambda_3 * (t14 + slide_01 * g_2_2))  # Q^T (p - s_1)
     S_2_2_0 = q_2_2_0 - o_2_0  # S_i in the platform frame
     S_2_2_1 = q_2_2_1 - o_2_1
     S_3_2_0 = q_3_2_0 - o_2_0
     S_3_2_1 = q_3_2_1 - o_2_1
-    t17 = slide_00 * o_1_0 + slide_01 * o_1_1
-    t18 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
-    t19 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t20 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t21 = slide_10 * S_2_2_0 + slide_11 * S_2_2_1
-    t22 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
+    t18 = slide_00 * o_1_0 + slide_01 * o_1_1
+    t19 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
+    t20 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
+    t21 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t22 = slide_10 * S_2_2_0 + slide_11 * S_2_2_1
+    t23 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
     return (
         (  # radicand
             radicand_a,
@@ -419,24 +419,24 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any) -> tuple[Any, 
         (  # p
             s_00 + cos_1 * o_1_0 - sin_1 * o_1_1,
             s_01 + cos_1 * o_1_1 + sin_1 * o_1_0,
-            s_00 + cos_2 * o_2_0 + t14 * o_2_1,
-            s_01 + cos_2 * o_2_1 - t14 * o_2_0,
+            s_00 + cos_2 * o_2_0 + t15 * o_2_1,
+            s_01 + cos_2 * o_2_1 - t15 * o_2_0,
         ),
         (  # phi
             ca.atan2(sin_1, cos_1),
             ca.atan2(sin_2, cos_2),
         ),
         (  # redundant
-            -(start_0 + t17),
-            t18 - start_1,
-            t19 - start_2,
-            -(start_0 + t20),
-            t21 - start_1,
-            t22 - start_2,
+            -(start_0 + t18),
+            t19 - start_1,
+            t20 - start_2,
+            -(start_0 + t21),
+            t22 - start_1,
+            t23 - start_2,
         ),
         (  # det_J
-            lambda_2 * t18 - lambda_1 * t17 + lambda_3 * t19,
-            lambda_2 * t21 - lambda_1 * t20 + lambda_3 * t22,
+            lambda_2 * t19 - lambda_1 * t18 + lambda_3 * t20,
+            lambda_2 * t22 - lambda_1 * t21 + lambda_3 * t23,
         ),
         (  # count
             2,
@@ -446,12 +446,13 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any) -> tuple[Any, 
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.8).  (56 add, 82 multiply, 3 divide, 1 square root, 1 arctangent)"""
+    (2.8).  (56 add, 84 multiply, 4 divide, 1 square root, 1 arctangent, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
     start_0, start_1, start_2 = start
     side, = side
+    side_1 = side / ca.fabs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -464,31 +465,31 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + t1 * t1
     radicand_a = AB_2 - C * C
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
-    t2 = 1 / AB_2
-    root = ca.sqrt(radicand_a) * t2
-    middle = C * t2
-    cos = A * middle + side * (t1 * root)
-    sin = side * (A * root) - t1 * middle
+    t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    t3 = 1 / AB_2
+    root = ca.sqrt(radicand_a) * t3
+    middle = C * t3
+    cos = A * middle + side_1 * (t1 * root)
+    sin = side_1 * (A * root) - t1 * middle
     q_2_0 = s_12_0 * cos + s_12_1 * sin
     q_2_1 = s_12_1 * cos - s_12_0 * sin
     q_3_0 = s_13_0 * cos + s_13_1 * sin
     q_3_1 = s_13_1 * cos - s_13_0 * sin
     g_2 = slide_10 * q_2_1 - distance_1 - slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - distance_2 - slide_21 * q_3_0
-    t3 = lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + lambda_2 * (slide_00 * g_3 + slide_20 * distance_0)
-    t4 = 1 / lambda_2_a
-    o_0 = (t3 - lambda_3 * (slide_10 * distance_0 + slide_00 * g_2)) * t4  # Q^T (p - s_1)
-    t5 = lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + lambda_2 * (slide_01 * g_3 + slide_21 * distance_0)
-    o_1 = t4 * (t5 - lambda_3 * (slide_11 * distance_0 + slide_01 * g_2))  # Q^T (p - s_1)
+    t4 = lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + lambda_2 * (slide_00 * g_3 + slide_20 * distance_0)
+    t5 = 1 / t2
+    o_0 = (t4 - lambda_3 * (slide_10 * distance_0 + slide_00 * g_2)) * t5  # Q^T (p - s_1)
+    t6 = lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + lambda_2 * (slide_01 * g_3 + slide_21 * distance_0)
+    o_1 = t5 * (t6 - lambda_3 * (slide_11 * distance_0 + slide_01 * g_2))  # Q^T (p - s_1)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
     return (
         (  # radicand
-            radicand_a,
+            radicand_a * (side_1 * side_1),
         ),
         (  # breadth
             AB_2 / size,

@@ -323,52 +323,52 @@ def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
     A = lambda_2 * (slide_10 * s_12_1 - slide_11 * s_12_0) + lambda_3 * (slide_20 * s_13_1 - slide_21 * s_13_0)
     t1 = lambda_2 * (slide_10 * s_12_0 + slide_11 * s_12_1) + lambda_3 * (slide_20 * s_13_0 + slide_21 * s_13_1)
     AB_2 = A * A + t1 * t1
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
     root = 1 / ca.sqrt(AB_2)
     cos_1 = t1 * root
     sin_1 = A * root
     q_2_1_0 = s_12_0 * cos_1 + s_12_1 * sin_1
-    t2 = s_12_1 * cos_1
-    t3 = s_12_0 * sin_1
-    q_2_1_1 = t2 - t3
+    t3 = s_12_1 * cos_1
+    t4 = s_12_0 * sin_1
+    q_2_1_1 = t3 - t4
     q_3_1_0 = s_13_0 * cos_1 + s_13_1 * sin_1
-    t4 = s_13_1 * cos_1
-    t5 = s_13_0 * sin_1
-    q_3_1_1 = t4 - t5
-    t6 = slide_11 * q_2_1_0
-    g_2_1 = slide_10 * q_2_1_1 - t6
-    t7 = slide_21 * q_3_1_0
-    g_3_1 = slide_20 * q_3_1_1 - t7
-    t8 = lambda_2 * g_3_1
-    t9 = lambda_3 * g_2_1
-    t10 = lambda_1 * (slide_20 * g_2_1 - slide_10 * g_3_1) + slide_00 * t8 - slide_00 * t9
-    t11 = 1 / lambda_2_a
-    o_1_0 = t10 * t11  # Q^T (p - s_1)
-    t12 = lambda_1 * (slide_21 * g_2_1 - slide_11 * g_3_1) + slide_01 * t8 - slide_01 * t9
-    o_1_1 = t11 * t12  # Q^T (p - s_1)
+    t5 = s_13_1 * cos_1
+    t6 = s_13_0 * sin_1
+    q_3_1_1 = t5 - t6
+    t7 = slide_11 * q_2_1_0
+    g_2_1 = slide_10 * q_2_1_1 - t7
+    t8 = slide_21 * q_3_1_0
+    g_3_1 = slide_20 * q_3_1_1 - t8
+    t9 = lambda_2 * g_3_1
+    t10 = lambda_3 * g_2_1
+    t11 = lambda_1 * (slide_20 * g_2_1 - slide_10 * g_3_1) + slide_00 * t9 - slide_00 * t10
+    t12 = 1 / t2
+    o_1_0 = t11 * t12  # Q^T (p - s_1)
+    t13 = lambda_1 * (slide_21 * g_2_1 - slide_11 * g_3_1) + slide_01 * t9 - slide_01 * t10
+    o_1_1 = t12 * t13  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
     S_2_1_1 = q_2_1_1 - o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0
     S_3_1_1 = q_3_1_1 - o_1_1
     cos_2 = -cos_1
     sin_2 = -sin_1
-    q_2_2_1 = t3 - t2
-    q_3_2_1 = t5 - t4
-    g_2_2 = t6 + slide_10 * q_2_2_1
-    g_3_2 = t7 + slide_20 * q_3_2_1
-    t13 = lambda_2 * g_3_2
-    t14 = lambda_3 * g_2_2
-    t15 = lambda_1 * (slide_20 * g_2_2 - slide_10 * g_3_2) + slide_00 * t13 - slide_00 * t14
-    o_2_0 = t11 * t15  # Q^T (p - s_1)
-    t16 = lambda_1 * (slide_21 * g_2_2 - slide_11 * g_3_2) + slide_01 * t13 - slide_01 * t14
-    o_2_1 = t11 * t16  # Q^T (p - s_1)
+    q_2_2_1 = t4 - t3
+    q_3_2_1 = t6 - t5
+    g_2_2 = t7 + slide_10 * q_2_2_1
+    g_3_2 = t8 + slide_20 * q_3_2_1
+    t14 = lambda_2 * g_3_2
+    t15 = lambda_3 * g_2_2
+    t16 = lambda_1 * (slide_20 * g_2_2 - slide_10 * g_3_2) + slide_00 * t14 - slide_00 * t15
+    o_2_0 = t12 * t16  # Q^T (p - s_1)
+    t17 = lambda_1 * (slide_21 * g_2_2 - slide_11 * g_3_2) + slide_01 * t14 - slide_01 * t15
+    o_2_1 = t12 * t17  # Q^T (p - s_1)
     S_2_2_1 = q_2_2_1 - o_2_1  # S_i in the platform frame
     S_3_2_1 = q_3_2_1 - o_2_1
-    t17 = slide_00 * o_1_0 + slide_01 * o_1_1
+    t18 = slide_00 * o_1_0 + slide_01 * o_1_1
     redundant_01 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
     redundant_02 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t18 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t19 = slide_00 * o_2_0 + slide_01 * o_2_1
     redundant_11 = slide_11 * S_2_2_1 - slide_10 * (q_2_1_0 + o_2_0)
     redundant_12 = slide_21 * S_3_2_1 - slide_20 * (q_3_1_0 + o_2_0)
     return (
@@ -389,16 +389,16 @@ def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
             ca.atan2(sin_2, cos_2),
         ),
         (  # redundant
-            -t17,
+            -t18,
             redundant_01,
             redundant_02,
-            -t18,
+            -t19,
             redundant_11,
             redundant_12,
         ),
         (  # det_J
-            lambda_2 * redundant_01 - lambda_1 * t17 + lambda_3 * redundant_02,
-            lambda_2 * redundant_11 - lambda_1 * t18 + lambda_3 * redundant_12,
+            lambda_2 * redundant_01 - lambda_1 * t18 + lambda_3 * redundant_02,
+            lambda_2 * redundant_11 - lambda_1 * t19 + lambda_3 * redundant_12,
         ),
         (  # count
             2,
@@ -408,10 +408,11 @@ def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.13).  (42 add, 68 multiply, 3 divide, 1 square root, 1 arctangent)"""
+    (2.13).  (42 add, 70 multiply, 4 divide, 1 square root, 1 arctangent, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
+    side_1 = side / ca.fabs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -422,29 +423,29 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     A = lambda_2 * (slide_10 * s_12_1 - slide_11 * s_12_0) + lambda_3 * (slide_20 * s_13_1 - slide_21 * s_13_0)
     t1 = lambda_2 * (slide_10 * s_12_0 + slide_11 * s_12_1) + lambda_3 * (slide_20 * s_13_0 + slide_21 * s_13_1)
     AB_2 = A * A + t1 * t1
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
     root = 1 / ca.sqrt(AB_2)
-    cos = side * (t1 * root)
-    sin = side * (A * root)
+    cos = side_1 * (t1 * root)
+    sin = side_1 * (A * root)
     q_2_0 = s_12_0 * cos + s_12_1 * sin
     q_2_1 = s_12_1 * cos - s_12_0 * sin
     q_3_0 = s_13_0 * cos + s_13_1 * sin
     q_3_1 = s_13_1 * cos - s_13_0 * sin
     g_2 = slide_10 * q_2_1 - slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
-    t2 = lambda_2 * g_3
-    t3 = lambda_3 * g_2
-    t4 = 1 / lambda_2_a
-    o_0 = (lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + slide_00 * t2 - slide_00 * t3) * t4  # Q^T (p - s_1)
-    o_1 = t4 * (lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + slide_01 * t2 - slide_01 * t3)
+    t3 = lambda_2 * g_3
+    t4 = lambda_3 * g_2
+    t5 = 1 / t2
+    o_0 = (lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + slide_00 * t3 - slide_00 * t4) * t5  # Q^T (p - s_1)
+    o_1 = t5 * (lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + slide_01 * t3 - slide_01 * t4)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
     return (
         (  # radicand
-            AB_2,
+            AB_2 * (side_1 * side_1),
         ),
         (  # breadth
             AB_2 / size,

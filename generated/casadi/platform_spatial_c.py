@@ -412,7 +412,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add,
-    184 multiply, 7 divide, 3 square root, 1 select)"""
+    182 multiply, 7 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     turned, = turned
@@ -430,33 +430,33 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    t1 = lambda_3 + (lambda_1 + lambda_2)
-    sense = t1 / ca.fabs(t1)  # +1 where the legs go round z'
+    round = turned * (lambda_3 + (lambda_1 + lambda_2))
+    sense = round / ca.fabs(round)  # +1 where the legs go round z_1
     flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
     area = ca.sqrt(s_n_2_a)
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / area
-    z_1_0 = turned * (s_n_0 * sense) * t3  # (3.2)
-    z_1_1 = t3 * (turned * (s_n_1 * sense))
-    z_1_2 = t3 * (turned * (s_n_2 * sense))
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / area
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t4 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
-    t5 = v_1 * (slide_11 * lambda_2)
-    A = t4 - t5
-    t6 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
-    AB_2 = A * A + t6 * t6
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
+    t3 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
+    t4 = v_1 * (slide_11 * lambda_2)
+    A = t3 - t4
+    t5 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
+    AB_2 = A * A + t5 * t5
+    t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t6 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
     root = 1 / ca.sqrt(AB_2)
-    cos_1 = t6 * root
+    cos_1 = t5 * root
     sin_1 = A * root
     q_2_1_0 = v_1 * cos_1
     t7 = v_1 * sin_1
@@ -470,7 +470,7 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     t12 = lambda_2 * g_3_1
     t13 = lambda_3 * t11
     t14 = slide_00 * t12 - lambda_1 * (slide_20 * t11 + slide_10 * g_3_1) + slide_00 * t13
-    t15 = 1 / lambda_2_a
+    t15 = 1 / t6
     o_1_0 = t14 * t15  # Q^T (p - s_1)
     t16 = slide_01 * t12 - lambda_1 * (slide_21 * t11 + slide_11 * g_3_1) + slide_01 * t13
     o_1_1 = t15 * t16  # Q^T (p - s_1)
@@ -478,7 +478,7 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     t17 = t7 + o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0  # S_i in the platform frame
     S_3_1_1 = q_3_1_1 - o_1_1
-    sin_2 = root * (t5 - t4)
+    sin_2 = root * (t4 - t3)
     t18 = v_1 * sin_2
     q_3_2_0 = r_3_1 * sin_2 - t8
     t19 = t9 + r_3_0 * sin_2
@@ -571,10 +571,11 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.30), (2.31).  (67 add, 120 multiply, 7 divide, 3 square root, 1 select)"""
+    (2.30), (2.31).  (67 add, 122 multiply, 8 divide, 3 square root, 2 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
+    side_1 = side / ca.fabs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -589,32 +590,32 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    t1 = lambda_3 + (lambda_1 + lambda_2)
-    sense = t1 / ca.fabs(t1)  # +1 where the legs go round z'
+    round = lambda_3 + (lambda_1 + lambda_2)
+    sense = round / ca.fabs(round)  # +1 where the legs go round z_1
     flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
     area = ca.sqrt(s_n_2_a)
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / area
-    z_1_0 = s_n_0 * sense * t3  # (3.2)
-    z_1_1 = t3 * (s_n_1 * sense)
-    z_1_2 = t3 * (s_n_2 * sense)
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / area
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
     A = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0) - v_1 * (slide_11 * lambda_2)
-    t4 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
-    AB_2 = A * A + t4 * t4
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
+    t3 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
+    AB_2 = A * A + t3 * t3
+    t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
     root = 1 / ca.sqrt(AB_2)
-    cos = side * (t4 * root)
-    sin = side * (A * root)
+    cos = side_1 * (t3 * root)
+    sin = side_1 * (A * root)
     q_2_0 = v_1 * cos
     t5 = v_1 * sin
     q_3_0 = r_3_0 * cos + r_3_1 * sin
@@ -623,7 +624,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
     t7 = lambda_2 * g_3
     t8 = lambda_3 * t6
-    t9 = 1 / lambda_2_a
+    t9 = 1 / t4
     o_0 = (slide_00 * t7 - lambda_1 * (slide_20 * t6 + slide_10 * g_3) + slide_00 * t8) * t9  # Q^T (p - s_1)
     o_1 = t9 * (slide_01 * t7 - lambda_1 * (slide_21 * t6 + slide_11 * g_3) + slide_01 * t8)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
@@ -636,7 +637,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
             flatness_0,
         ),
         (  # radicand
-            AB_2,
+            AB_2 * (side_1 * side_1),
         ),
         (  # breadth
             AB_2 / size,

@@ -438,7 +438,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -> tuple[Any, ...]:
     """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add,
-    209 multiply, 7 divide, 3 square root, 1 select)"""
+    207 multiply, 7 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -458,19 +458,19 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    t1 = lambda_3 + (lambda_1 + lambda_2)
-    sense = t1 / np.abs(t1)  # +1 where the legs go round z'
+    round = turned * (lambda_3 + (lambda_1 + lambda_2))
+    sense = round / np.abs(round)  # +1 where the legs go round z_1
     flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
     area = np.sqrt(s_n_2_a)
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / area
-    z_1_0 = turned * (s_n_0 * sense) * t3  # (3.2)
-    z_1_1 = t3 * (turned * (s_n_1 * sense))
-    z_1_2 = t3 * (turned * (s_n_2 * sense))
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / area
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
@@ -481,8 +481,8 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
     radicand_a = AB_2 - C * C
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
+    t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t3 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
     t4 = 1 / AB_2
     root = np.sqrt(radicand_a) * t4
     middle = C * t4
@@ -501,7 +501,7 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     t9 = slide_20 * distance_0
     t10 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t9 + slide_00 * g_3_1)
     t11 = slide_10 * distance_0
-    t12 = 1 / lambda_2_a
+    t12 = 1 / t3
     o_1_0 = (t10 + lambda_3 * (slide_00 * g_2_1 + t11)) * t12  # Q^T (p - s_1)
     t13 = slide_21 * distance_0
     t14 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t13 + slide_01 * g_3_1)
@@ -599,12 +599,13 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.19), (2.21).  (82 add, 134 multiply, 7 divide, 3 square root, 1 select)"""
+    (2.19), (2.21).  (82 add, 136 multiply, 8 divide, 3 square root, 2 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
     start_0, start_1, start_2 = start
     side, = side
+    side_1 = side / np.abs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -619,19 +620,19 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    t1 = lambda_3 + (lambda_1 + lambda_2)
-    sense = t1 / np.abs(t1)  # +1 where the legs go round z'
+    round = lambda_3 + (lambda_1 + lambda_2)
+    sense = round / np.abs(round)  # +1 where the legs go round z_1
     flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
     area = np.sqrt(s_n_2_a)
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / area
-    z_1_0 = s_n_0 * sense * t3  # (3.2)
-    z_1_1 = t3 * (s_n_1 * sense)
-    z_1_2 = t3 * (s_n_2 * sense)
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / area
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
@@ -642,14 +643,14 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
     radicand_a = AB_2 - C * C
-    lambda_2_a = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = lambda_2_a * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
+    t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t3 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
     t4 = 1 / AB_2
     root = np.sqrt(radicand_a) * t4
     middle = C * t4
-    cos = A * middle + side * (B * root)
+    cos = A * middle + side_1 * (B * root)
     t5 = B * middle
-    t6 = side * (A * root)
+    t6 = side_1 * (A * root)
     sin = t5 - t6
     q_2_0 = v_1 * cos
     q_2_1 = v_1 * (t6 - t5)
@@ -658,7 +659,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     g_2 = slide_11 * q_2_0 - distance_1 - slide_10 * q_2_1
     g_3 = slide_21 * q_3_0 - distance_2 - slide_20 * q_3_1
     t7 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
-    t8 = 1 / lambda_2_a
+    t8 = 1 / t3
     o_0 = (t7 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t8  # Q^T (p - s_1)
     t9 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
     o_1 = t8 * (t9 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
@@ -673,7 +674,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
             flatness_0,
         ),
         (  # radicand
-            radicand_a,
+            radicand_a * (side_1 * side_1),
         ),
         (  # breadth
             AB_2 / size,

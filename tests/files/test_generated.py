@@ -156,7 +156,8 @@ def test_the_casadi_functions_compute_it(gathered: Gathered) -> None:
             found = dict(zip(call.name_out(), call.call(given), strict=True))
             for port in function.outputs:
                 whole = port.name in found
-                parts = [found[port.name]] if whole else [found[f"{port.name}{leg}"] for leg in (1, 2, 3)]
+                numbers = range(1, port.full_shape[0] + 1) if not whole else ()
+                parts = [found[port.name]] if whole else [found[f"{port.name}{number}"] for number in numbers]
                 results[port.name].append(np.stack([np.asarray(part.full()) for part in parts]))
         hold(gathered.identifier, function, results)
 

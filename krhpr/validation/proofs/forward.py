@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from krhpr.codegen.kernel import LEGS
+from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import configuration_in_balls
 from krhpr.validation.draw import Draw
@@ -46,4 +48,32 @@ def assembly_modes(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
-RUNNERS: dict[str, Runner] = {"assembly modes close": assembly_modes}
+def mode_on_one_side(subject: Subject, check: Check, count: int) -> Measured:
+    """The kernel that gives one solution against the one that gives all, on both sides."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for _ in range(count):
+            here = configuration_in_balls(subject, source)
+            every = here.call("forward_all", turned=[Ball(1)])
+            legs = [here.kernel("platform", "tie", leg) for leg in range(LEGS)]
+            ties = {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
+            names = ("p", "phi" if subject.planar else "Q", "redundant")
+            for place, side in enumerate((1, -1)):
+                inputs = {"s": here.values["s"], **ties, "side": [Ball(side)]}
+                one = subject.kernel("platform", "assembly_mode", inputs, here.geometry, 0, BALLS)
+                for name in names:
+                    size = len(one[name])
+                    wanted = every[name][size * place : size * (place + 1)]
+                    found.equal(one[name], wanted, f"{name} on side {side:+d}")
+                margins = here.call("type_2_of_redundant", redundant=one["redundant"])["margins"]
+                right = (margins[0] * Ball(side)).to_float() > 0
+                found.equal([Ball(int(right))], [Ball(1)], f"side {side:+d}")
+            found.samples += 1
+    return found
+
+
+RUNNERS: dict[str, Runner] = {
+    "assembly modes close": assembly_modes,
+    "the mode on one side": mode_on_one_side,
+}

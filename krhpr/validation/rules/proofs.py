@@ -245,13 +245,27 @@ PLATFORM_PROOFS = (
 
 ROBOT_PROOFS = (
     Proof(
+        "the mode on one side",
+        "forward",
+        BALL,
+        FEW,
+        "The solution on a side of type II is that one of all whose first margin has the sign of the side.",
+        ("forward_all", "platform.assembly_mode"),
+    ),
+    Proof(
         "assembly modes close",
         "forward_all",
         BALL,
         FEW,
         "Every solution satisfies the constraint equations, its det J is that of its redundant coordinates, "
         "and one of them is the pose that the end points come from.",
-        ("constraints", "redundant_coordinates", "type_2_of_redundant"),
+        (
+            "constraints",
+            "redundant_coordinates",
+            "type_2_of_redundant",
+            "platform.tie",
+            "platform.assembly_modes",
+        ),
     ),
     Proof(
         "joint motion",
