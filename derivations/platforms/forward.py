@@ -70,16 +70,16 @@ def plane_of(k: KernelWriter, space: Space, s: Sequence[sp.Matrix], order: Any, 
         return Plane(space, s[0], None, (zero, s_12, s_13))
     normal = k.let("s_n", cross(s_12, s_13))
     square, across = k.let("s_12_2", dot(s_12, s_12)), k.let("s_n_2", dot(normal, normal))
-    round_z = k.let("round", order * turned)
-    sense = k.let("sense", round_z / sp.sqrt(round_z**2), "+1 where the legs go round z_1")
-    # the square is 1; where the legs have no order it is not a number, and the guard fails
-    k.add_output(FLATNESS, [across * sense**2 / (square * dot(s_13, s_13))])
-    length, area = k.let("v_1", sp.sqrt(square), "|s_12|"), k.let("area", sp.sqrt(across))
-    x = k.let("x_1", s_12 / length, "(3.1)")
-    z = k.let("z_1", normal * (sense / area), "(3.2)")
+    sense = k.let("sense", order * turned, "positive where the legs go round z_1")
+    weight = k.let("sense_2", order**2 * turned**2)
+    weighted = k.let("s_n_w", weight * across)
+    # not a number where the legs have no order, so that the guard fails
+    k.add_output(FLATNESS, [weighted / (weight * (square * dot(s_13, s_13)))])
+    x = k.let("x_1", s_12 / k.let("v_1", sp.sqrt(square), "|s_12|"), "(3.1)")
+    z = k.let("z_1", normal * (sense / sp.sqrt(weighted)), "(3.2)")
     y = k.let("y_1", cross(z, x))
     r_3 = k.let("r_3", sp.Matrix([dot(x, s_13), dot(y, s_13)]))
-    return Plane(space, s[0], sp.Matrix.hstack(x, y, z), (zero, sp.Matrix([length, 0]), r_3))
+    return Plane(space, s[0], sp.Matrix.hstack(x, y, z), (zero, sp.Matrix([dot(x, s_12), 0]), r_3))
 
 
 @dataclass(frozen=True)

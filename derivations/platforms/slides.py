@@ -183,8 +183,7 @@ class SlidePlatform(Platform):
         spatial = self.space is Space.SPATIAL
         turned: Any = sp.Integer(1)
         if choice is not None:
-            given = k.add_input(choice)
-            side = k.let("side_1", given / sp.sqrt(given**2), "+1 or -1")
+            side = k.add_input(choice)
         elif spatial:
             turned = k.add_input(TURNED)
         normals = [self._across(t) for t in slides]
@@ -197,10 +196,12 @@ class SlidePlatform(Platform):
         square = k.let("AB_2", a**2 + b**2)
         radicand = k.let("radicand", square - c**2)
         size = k.let("size", sum(w**2 for w in weights) * sum(dot(r, r) for r in points))
-        # the square is 1; where a side of 0 is given it is not a number, and the guard fails
-        k.add_output(RADICAND, [radicand if choice is None else radicand * side**2])
         k.add_output(BREADTH, [square / size])
-        root = k.let("root", sp.sqrt(radicand) / square)
+        square_of_side = sp.Integer(1) if choice is None else k.let("side_2", side**2)
+        ratio = radicand if choice is None else k.let("ratio", radicand / square_of_side)
+        # with a side of zero it is not a number, and the guard fails
+        k.add_output(RADICAND, [ratio * square_of_side])
+        root = k.let("root", sp.sqrt(ratio) / square)
         middle = k.let("middle", c / square)
         first = sp.Integer(self.handedness)  # where the first margin is positive
         signs = [first, -first] if choice is None else [first * side]

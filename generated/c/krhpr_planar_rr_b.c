@@ -1047,8 +1047,8 @@ KRHPR_API int krhpr_planar_rr_b_forward_all(
     double slide[6];
     double distance[3];
     double start[3];
-    double radicand[1];
     double breadth[1];
+    double radicand[1];
     if (!(krhpr_taint(s, 6) == 0.0)) {
         krhpr_fill_nan(p, 4);
         krhpr_fill_nan(phi, 2);
@@ -1064,7 +1064,7 @@ KRHPR_API int krhpr_planar_rr_b_forward_all(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
-        s, slide, distance, start, radicand, breadth, p, redundant, det_J, count, tail_y, tail_x);
+        s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
     krhpr_atan2_array(2, tail_y, tail_x, tail);
     phi[0] = tail[0];
     phi[1] = tail[1];
@@ -1111,8 +1111,8 @@ KRHPR_API int krhpr_planar_rr_b_forward(
     double slide[6];
     double distance[3];
     double start[3];
-    double assembly_radicand[1];
     double breadth[1];
+    double assembly_radicand[1];
     if (!(krhpr_taint(theta, 6) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1134,7 +1134,7 @@ KRHPR_API int krhpr_planar_rr_b_forward(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
-        s, slide, distance, start, side, assembly_radicand, breadth, p, redundant, tail_y, tail_x);
+        s, slide, distance, start, side, breadth, assembly_radicand, p, redundant, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(breadth[0] >= 1e-24)) {

@@ -1153,8 +1153,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all(
 {
     int status = KRHPR_OK;
     double slide[6];
-    double radicand[1];
     double breadth[1];
+    double radicand[1];
     if (!(krhpr_taint(s, 6) == 0.0)) {
         krhpr_fill_nan(p, 4);
         krhpr_fill_nan(phi, 2);
@@ -1170,7 +1170,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
-        s, slide, radicand, breadth, p, redundant, det_J, count, tail_y, tail_x);
+        s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
     krhpr_atan2_array(2, tail_y, tail_x, tail);
     phi[0] = tail[0];
     phi[1] = tail[1];
@@ -1215,8 +1215,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward(
     int status = KRHPR_OK;
     double s[6];
     double slide[6];
-    double assembly_radicand[1];
     double breadth[1];
+    double assembly_radicand[1];
     if (!(krhpr_taint(theta, 9) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1238,7 +1238,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
-        s, slide, side, assembly_radicand, breadth, p, redundant, tail_y, tail_x);
+        s, slide, side, breadth, assembly_radicand, p, redundant, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(breadth[0] >= 1e-24)) {

@@ -275,7 +275,7 @@ static inline void krhpr_platform_planar_b_tie(
  * divide, 1 square root) */
 static inline void krhpr_platform_planar_b_assembly_modes(
     const double s[6], const double slide[6], const double distance[3], const double start[3],
-    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -344,8 +344,8 @@ static inline void krhpr_platform_planar_b_assembly_modes(
     const double t21 = slide[0] * o_2_0 + slide[1] * o_2_1;
     const double t22 = slide[2] * S_2_2_0 + slide[3] * S_2_2_1;
     const double t23 = slide[4] * S_3_2_0 + slide[5] * S_3_2_1;
-    radicand[0] = radicand_a;
     breadth[0] = AB_2 / size;
+    radicand[0] = radicand_a;
     p[0] = s[0] + cos_1 * o_1_0 - sin_1 * o_1_1;
     p[1] = s[1] + cos_1 * o_1_1 + sin_1 * o_1_0;
     p[2] = s[0] + cos_2 * o_2_0 + t15 * o_2_1;
@@ -366,13 +366,12 @@ static inline void krhpr_platform_planar_b_assembly_modes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.8).  (56
- * add, 84 multiply, 4 divide, 1 square root, 1 select) */
+ * add, 84 multiply, 4 divide, 1 square root) */
 static inline void krhpr_platform_planar_b_assembly_mode(
     const double s[6], const double slide[6], const double distance[3], const double start[3], double side,
-    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double side_1 = side / fabs(side); /* +1 or -1 */
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
     const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
@@ -384,14 +383,15 @@ static inline void krhpr_platform_planar_b_assembly_mode(
     const double t1 = lambda_2 * (slide[2] * s_12_0 + slide[3] * s_12_1) + lambda_3 * (slide[4] * s_13_0 + slide[5] * s_13_1);
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
     const double AB_2 = A * A + t1 * t1;
-    const double radicand_a = AB_2 - C * C;
     const double t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
     const double size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
+    const double side_2 = side * side;
+    const double ratio = (AB_2 - C * C) / side_2;
     const double t3 = 1.0 / AB_2;
-    const double root = sqrt(radicand_a) * t3;
+    const double root = sqrt(ratio) * t3;
     const double middle = C * t3;
-    const double cos = A * middle + side_1 * (t1 * root);
-    const double sin = side_1 * (A * root) - t1 * middle;
+    const double cos = A * middle + side * (t1 * root);
+    const double sin = side * (A * root) - t1 * middle;
     const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
     const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
     const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
@@ -407,8 +407,8 @@ static inline void krhpr_platform_planar_b_assembly_mode(
     const double S_2_1 = q_2_1 - o_1;
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
-    radicand[0] = radicand_a * (side_1 * side_1);
     breadth[0] = AB_2 / size;
+    radicand[0] = side_2 * ratio;
     p[0] = s[0] + cos * o_0 - sin * o_1;
     p[1] = s[1] + cos * o_1 + sin * o_0;
     redundant[0] = -(start[0] + (slide[0] * o_0 + slide[1] * o_1));

@@ -248,8 +248,8 @@ static inline void krhpr_platform_planar_c_tie(
 /* Both poses of the platform that hold the three end points.  Thesis: (2.13).  (67 add, 98 multiply, 3
  * divide, 1 square root) */
 static inline void krhpr_platform_planar_c_assembly_modes(
-    const double s[6], const double slide[6], double *KRHPR_RESTRICT radicand,
-    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
+    const double s[6], const double slide[6], double *KRHPR_RESTRICT breadth,
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
     double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
@@ -311,8 +311,8 @@ static inline void krhpr_platform_planar_c_assembly_modes(
     const double t19 = slide[0] * o_2_0 + slide[1] * o_2_1;
     const double redundant_11 = slide[3] * S_2_2_1 - slide[2] * (q_2_1_0 + o_2_0);
     const double redundant_12 = slide[5] * S_3_2_1 - slide[4] * (q_3_1_0 + o_2_0);
-    radicand[0] = AB_2;
     breadth[0] = AB_2 / size;
+    radicand[0] = AB_2;
     p[0] = s[0] + cos_1 * o_1_0 - sin_1 * o_1_1;
     p[1] = s[1] + cos_1 * o_1_1 + sin_1 * o_1_0;
     p[2] = s[0] - cos_1 * o_2_0 + sin_1 * o_2_1;
@@ -333,13 +333,12 @@ static inline void krhpr_platform_planar_c_assembly_modes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.13).  (42
- * add, 70 multiply, 4 divide, 1 square root, 1 select) */
+ * add, 70 multiply, 4 divide, 1 square root) */
 static inline void krhpr_platform_planar_c_assembly_mode(
-    const double s[6], const double slide[6], double side, double *KRHPR_RESTRICT radicand,
-    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
+    const double s[6], const double slide[6], double side, double *KRHPR_RESTRICT breadth,
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double side_1 = side / fabs(side); /* +1 or -1 */
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
     const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
@@ -352,9 +351,11 @@ static inline void krhpr_platform_planar_c_assembly_mode(
     const double AB_2 = A * A + t1 * t1;
     const double t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
     const double size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
-    const double root = 1.0 / sqrt(AB_2);
-    const double cos = side_1 * (t1 * root);
-    const double sin = side_1 * (A * root);
+    const double side_2 = side * side;
+    const double ratio = AB_2 / side_2;
+    const double root = sqrt(ratio) / AB_2;
+    const double cos = side * (t1 * root);
+    const double sin = side * (A * root);
     const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
     const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
     const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
@@ -370,8 +371,8 @@ static inline void krhpr_platform_planar_c_assembly_mode(
     const double S_2_1 = q_2_1 - o_1;
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
-    radicand[0] = AB_2 * (side_1 * side_1);
     breadth[0] = AB_2 / size;
+    radicand[0] = side_2 * ratio;
     p[0] = s[0] + cos * o_0 - sin * o_1;
     p[1] = s[1] + cos * o_1 + sin * o_0;
     redundant[0] = -(slide[0] * o_0 + slide[1] * o_1);

@@ -939,8 +939,8 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_all(
     double distance[3];
     double start[3];
     double flatness[1];
-    double radicand[1];
     double breadth[1];
+    double radicand[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
@@ -953,7 +953,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_all(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
-        s, slide, distance, start, turned, flatness, radicand, breadth, p, Q, redundant, det_J, count);
+        s, slide, distance, start, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
@@ -1004,8 +1004,8 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward(
     double distance[3];
     double start[3];
     double flatness[1];
-    double assembly_radicand[1];
     double breadth[1];
+    double assembly_radicand[1];
     if (!(krhpr_taint(theta, 9) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1017,7 +1017,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
-        s, slide, distance, start, side, flatness, assembly_radicand, breadth, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, p, Q, redundant);
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;

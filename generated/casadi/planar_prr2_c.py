@@ -594,7 +594,7 @@ def forward_all(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         slide_i = platform.tie(platform.prepare(fields))
         slide += slide_i
-    _radicand, _breadth, p, phi, redundant, det_J, count = platform.assembly_modes(call.whole("s"), slide)
+    _breadth, _radicand, p, phi, redundant, det_J, count = platform.assembly_modes(call.whole("s"), slide)
     return call.function({"p": p, "phi": phi, "redundant": redundant, "det_J": det_J, "count": count})
 
 
@@ -623,7 +623,7 @@ def forward(geometry: Any) -> Any:
         slide_i = platform.tie(platform.prepare(fields))
         s += s_i
         slide += slide_i
-    _assembly_radicand, _breadth, p, phi, redundant = platform.assembly_mode(s, slide, call.whole("side"))
+    _breadth, _assembly_radicand, p, phi, redundant = platform.assembly_mode(s, slide, call.whole("side"))
     return call.function({"p": p, "phi": phi, "redundant": redundant})
 
 

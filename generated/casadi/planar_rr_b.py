@@ -593,7 +593,7 @@ def forward_all(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _radicand, _breadth, p, phi, redundant, det_J, count = platform.assembly_modes(
+    _breadth, _radicand, p, phi, redundant, det_J, count = platform.assembly_modes(
             call.whole("s"), slide, distance, start)
     return call.function({"p": p, "phi": phi, "redundant": redundant, "det_J": det_J, "count": count})
 
@@ -626,7 +626,7 @@ def forward(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _assembly_radicand, _breadth, p, phi, redundant = platform.assembly_mode(
+    _breadth, _assembly_radicand, p, phi, redundant = platform.assembly_mode(
             s, slide, distance, start, call.whole("side"))
     return call.function({"p": p, "phi": phi, "redundant": redundant})
 

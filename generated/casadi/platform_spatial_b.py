@@ -437,8 +437,8 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 
 def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -> tuple[Any, ...]:
-    """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add,
-    207 multiply, 7 divide, 3 square root, 1 select)"""
+    """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (141 add,
+    213 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -458,106 +458,108 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    round = turned * (lambda_3 + (lambda_1 + lambda_2))
-    sense = round / ca.fabs(round)  # +1 where the legs go round z_1
-    flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    t1 = lambda_3 + (lambda_1 + lambda_2)
+    sense = turned * t1  # positive where the legs go round z_1
+    sense_2 = turned * turned * (t1 * t1)
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    area = ca.sqrt(s_n_2_a)
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / area
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
+    t2 = 1 / v_1
+    x_1_0 = s_12_0 * t2  # (3.1)
+    x_1_1 = s_12_1 * t2
+    x_1_2 = s_12_2 * t2
+    t3 = 1 / ca.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t3  # (3.2)
+    z_1_1 = t3 * (s_n_1 * sense)
+    z_1_2 = t3 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + v_1 * (slide_11 * lambda_2)
-    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
+    t4 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + slide_11 * lambda_2 * t4
+    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t4 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
     radicand_a = AB_2 - C * C
-    t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t3 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
-    t4 = 1 / AB_2
-    root = ca.sqrt(radicand_a) * t4
-    middle = C * t4
-    t5 = A * middle
-    t6 = B * root
-    cos_1 = t5 + t6
-    t7 = B * middle
-    t8 = A * root
-    sin_1 = t7 - t8
-    q_2_1_0 = v_1 * cos_1
-    q_2_1_1 = v_1 * (t8 - t7)
+    t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t4 * t4)
+    t6 = 1 / AB_2
+    root = ca.sqrt(radicand_a) * t6
+    middle = C * t6
+    t7 = A * middle
+    t8 = B * root
+    cos_1 = t7 + t8
+    t9 = B * middle
+    t10 = A * root
+    sin_1 = t9 - t10
+    q_2_1_0 = t4 * cos_1
+    q_2_1_1 = t4 * (t10 - t9)
     q_3_1_0 = r_3_0 * cos_1 + r_3_1 * sin_1
     q_3_1_1 = r_3_1 * cos_1 - r_3_0 * sin_1
     g_2_1 = slide_11 * q_2_1_0 - distance_1 - slide_10 * q_2_1_1
     g_3_1 = slide_21 * q_3_1_0 - distance_2 - slide_20 * q_3_1_1
-    t9 = slide_20 * distance_0
-    t10 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t9 + slide_00 * g_3_1)
-    t11 = slide_10 * distance_0
-    t12 = 1 / t3
-    o_1_0 = (t10 + lambda_3 * (slide_00 * g_2_1 + t11)) * t12  # Q^T (p - s_1)
-    t13 = slide_21 * distance_0
-    t14 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t13 + slide_01 * g_3_1)
-    t15 = slide_11 * distance_0
-    o_1_1 = t12 * (t14 + lambda_3 * (slide_01 * g_2_1 + t15))  # Q^T (p - s_1)
+    t11 = slide_20 * distance_0
+    t12 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t11 + slide_00 * g_3_1)
+    t13 = slide_10 * distance_0
+    t14 = 1 / t5
+    o_1_0 = (t12 + lambda_3 * (slide_00 * g_2_1 + t13)) * t14  # Q^T (p - s_1)
+    t15 = slide_21 * distance_0
+    t16 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t15 + slide_01 * g_3_1)
+    t17 = slide_11 * distance_0
+    o_1_1 = t14 * (t16 + lambda_3 * (slide_01 * g_2_1 + t17))  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
     S_2_1_1 = q_2_1_1 - o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0
     S_3_1_1 = q_3_1_1 - o_1_1
-    cos_2 = t5 - t6
-    sin_2 = t7 + t8
-    q_2_2_0 = v_1 * cos_2
-    t16 = v_1 * sin_2
+    cos_2 = t7 - t8
+    sin_2 = t9 + t10
+    q_2_2_0 = t4 * cos_2
+    t18 = t4 * sin_2
     q_3_2_0 = r_3_0 * cos_2 + r_3_1 * sin_2
     q_3_2_1 = r_3_1 * cos_2 - r_3_0 * sin_2
-    g_2_2 = slide_11 * q_2_2_0 - distance_1 + slide_10 * t16
+    g_2_2 = slide_11 * q_2_2_0 - distance_1 + slide_10 * t18
     g_3_2 = slide_21 * q_3_2_0 - distance_2 - slide_20 * q_3_2_1
-    t17 = lambda_1 * (slide_10 * g_3_2 - slide_20 * g_2_2) - lambda_2 * (t9 + slide_00 * g_3_2)
-    o_2_0 = t12 * (t17 + lambda_3 * (t11 + slide_00 * g_2_2))  # Q^T (p - s_1)
-    t18 = lambda_1 * (slide_11 * g_3_2 - slide_21 * g_2_2) - lambda_2 * (t13 + slide_01 * g_3_2)
-    o_2_1 = t12 * (t18 + lambda_3 * (t15 + slide_01 * g_2_2))  # Q^T (p - s_1)
+    t19 = lambda_1 * (slide_10 * g_3_2 - slide_20 * g_2_2) - lambda_2 * (t11 + slide_00 * g_3_2)
+    o_2_0 = t14 * (t19 + lambda_3 * (t13 + slide_00 * g_2_2))  # Q^T (p - s_1)
+    t20 = lambda_1 * (slide_11 * g_3_2 - slide_21 * g_2_2) - lambda_2 * (t15 + slide_01 * g_3_2)
+    o_2_1 = t14 * (t20 + lambda_3 * (t17 + slide_01 * g_2_2))  # Q^T (p - s_1)
     S_2_2_0 = q_2_2_0 - o_2_0  # S_i in the platform frame
-    t19 = t16 + o_2_1
+    t21 = t18 + o_2_1
     S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
     S_3_2_1 = q_3_2_1 - o_2_1
-    t20 = cos_1 * o_1_0 - sin_1 * o_1_1
-    t21 = cos_1 * o_1_1 + sin_1 * o_1_0
-    t22 = cos_2 * o_2_0 - sin_2 * o_2_1
-    t23 = cos_2 * o_2_1 + sin_2 * o_2_0
-    t24 = slide_00 * o_1_0 + slide_01 * o_1_1
-    t25 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
-    t26 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t27 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t28 = slide_10 * S_2_2_0
-    t29 = slide_11 * t19
-    t30 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
-    t31 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
-    t32 = o_2_0 * t19 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0
-    det_J_1 = (lambda_1 * t27 + lambda_2 * (t29 - t28) - lambda_3 * t30) * (t32 + t19 * S_3_2_0)
+    t22 = cos_1 * o_1_0 - sin_1 * o_1_1
+    t23 = cos_1 * o_1_1 + sin_1 * o_1_0
+    t24 = cos_2 * o_2_0 - sin_2 * o_2_1
+    t25 = cos_2 * o_2_1 + sin_2 * o_2_0
+    t26 = slide_00 * o_1_0 + slide_01 * o_1_1
+    t27 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
+    t28 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
+    t29 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t30 = slide_10 * S_2_2_0
+    t31 = slide_11 * t21
+    t32 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
+    t33 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
+    t34 = o_2_0 * t21 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0
+    det_J_1 = (lambda_1 * t29 + lambda_2 * (t31 - t30) - lambda_3 * t32) * (t34 + t21 * S_3_2_0)
     return (
         (  # flatness
             flatness_0,
         ),
-        (  # radicand
-            radicand_a,
-        ),
         (  # breadth
             AB_2 / size,
         ),
+        (  # radicand
+            radicand_a,
+        ),
         (  # p
-            s_00 + x_1_0 * t20 + y_1_0 * t21,
-            s_01 + x_1_1 * t20 + y_1_1 * t21,
-            s_02 + x_1_2 * t20 + y_1_2 * t21,
             s_00 + x_1_0 * t22 + y_1_0 * t23,
             s_01 + x_1_1 * t22 + y_1_1 * t23,
             s_02 + x_1_2 * t22 + y_1_2 * t23,
+            s_00 + x_1_0 * t24 + y_1_0 * t25,
+            s_01 + x_1_1 * t24 + y_1_1 * t25,
+            s_02 + x_1_2 * t24 + y_1_2 * t25,
         ),
         (  # Q
             x_1_0 * cos_1 + y_1_0 * sin_1,
@@ -580,15 +582,15 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
             z_1_2,
         ),
         (  # redundant
-            -(start_0 + t24),
-            t25 - start_1,
-            t26 - start_2,
-            -(start_0 + t27),
-            t28 - t29 - start_1,
-            t30 - start_2,
+            -(start_0 + t26),
+            t27 - start_1,
+            t28 - start_2,
+            -(start_0 + t29),
+            t30 - t31 - start_1,
+            t32 - start_2,
         ),
         (  # det_J
-            (lambda_1 * t24 - lambda_2 * t25 - lambda_3 * t26) * (t31 - S_2_1_1 * S_3_1_0),
+            (lambda_1 * t26 - lambda_2 * t27 - lambda_3 * t28) * (t33 - S_2_1_1 * S_3_1_0),
             det_J_1,
         ),
         (  # count
@@ -599,13 +601,12 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.19), (2.21).  (82 add, 136 multiply, 8 divide, 3 square root, 2 select)"""
+    (2.19), (2.21).  (84 add, 140 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
     start_0, start_1, start_2 = start
     side, = side
-    side_1 = side / ca.fabs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -620,16 +621,16 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    round = lambda_3 + (lambda_1 + lambda_2)
-    sense = round / ca.fabs(round)  # +1 where the legs go round z_1
-    flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    sense = lambda_3 + (lambda_1 + lambda_2)  # positive where the legs go round z_1
+    sense_2 = sense * sense
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    area = ca.sqrt(s_n_2_a)
     t1 = 1 / v_1
     x_1_0 = s_12_0 * t1  # (3.1)
     x_1_1 = s_12_1 * t1
     x_1_2 = s_12_2 * t1
-    t2 = 1 / area
+    t2 = 1 / ca.sqrt(s_n_w)
     z_1_0 = s_n_0 * sense * t2  # (3.2)
     z_1_1 = t2 * (s_n_1 * sense)
     z_1_2 = t2 * (s_n_2 * sense)
@@ -638,51 +639,53 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + v_1 * (slide_11 * lambda_2)
-    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
+    t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + slide_11 * lambda_2 * t3
+    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t3 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
-    radicand_a = AB_2 - C * C
-    t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t3 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
-    t4 = 1 / AB_2
-    root = ca.sqrt(radicand_a) * t4
-    middle = C * t4
-    cos = A * middle + side_1 * (B * root)
-    t5 = B * middle
-    t6 = side_1 * (A * root)
-    sin = t5 - t6
-    q_2_0 = v_1 * cos
-    q_2_1 = v_1 * (t6 - t5)
+    t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3)
+    side_2 = side * side
+    ratio = (AB_2 - C * C) / side_2
+    t5 = 1 / AB_2
+    root = ca.sqrt(ratio) * t5
+    middle = C * t5
+    cos = A * middle + side * (B * root)
+    t6 = B * middle
+    t7 = side * (A * root)
+    sin = t6 - t7
+    q_2_0 = t3 * cos
+    q_2_1 = t3 * (t7 - t6)
     q_3_0 = r_3_0 * cos + r_3_1 * sin
     q_3_1 = r_3_1 * cos - r_3_0 * sin
     g_2 = slide_11 * q_2_0 - distance_1 - slide_10 * q_2_1
     g_3 = slide_21 * q_3_0 - distance_2 - slide_20 * q_3_1
-    t7 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
-    t8 = 1 / t3
-    o_0 = (t7 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t8  # Q^T (p - s_1)
-    t9 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
-    o_1 = t8 * (t9 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
+    t8 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
+    t9 = 1 / t4
+    o_0 = (t8 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t9  # Q^T (p - s_1)
+    t10 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
+    o_1 = t9 * (t10 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
-    t10 = cos * o_0 - sin * o_1
-    t11 = cos * o_1 + sin * o_0
+    t11 = cos * o_0 - sin * o_1
+    t12 = cos * o_1 + sin * o_0
     return (
         (  # flatness
             flatness_0,
         ),
-        (  # radicand
-            radicand_a * (side_1 * side_1),
-        ),
         (  # breadth
             AB_2 / size,
         ),
+        (  # radicand
+            side_2 * ratio,
+        ),
         (  # p
-            s_00 + x_1_0 * t10 + y_1_0 * t11,
-            s_01 + x_1_1 * t10 + y_1_1 * t11,
-            s_02 + x_1_2 * t10 + y_1_2 * t11,
+            s_00 + x_1_0 * t11 + y_1_0 * t12,
+            s_01 + x_1_1 * t11 + y_1_1 * t12,
+            s_02 + x_1_2 * t11 + y_1_2 * t12,
         ),
         (  # Q
             x_1_0 * cos + y_1_0 * sin,

@@ -411,8 +411,8 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 
 def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
-    """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add,
-    182 multiply, 7 divide, 3 square root, 1 select)"""
+    """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (115 add,
+    188 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     turned, = turned
@@ -430,138 +430,140 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    round = turned * (lambda_3 + (lambda_1 + lambda_2))
-    sense = round / ca.fabs(round)  # +1 where the legs go round z_1
-    flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    t1 = lambda_3 + (lambda_1 + lambda_2)
+    sense = turned * t1  # positive where the legs go round z_1
+    sense_2 = turned * turned * (t1 * t1)
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    area = ca.sqrt(s_n_2_a)
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / area
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
+    t2 = 1 / v_1
+    x_1_0 = s_12_0 * t2  # (3.1)
+    x_1_1 = s_12_1 * t2
+    x_1_2 = s_12_2 * t2
+    t3 = 1 / ca.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t3  # (3.2)
+    z_1_1 = t3 * (s_n_1 * sense)
+    z_1_2 = t3 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t3 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
-    t4 = v_1 * (slide_11 * lambda_2)
-    A = t3 - t4
-    t5 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
-    AB_2 = A * A + t5 * t5
-    t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t6 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
+    t4 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
+    t5 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    t6 = slide_11 * lambda_2 * t5
+    A = t4 - t6
+    t7 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t5 * (slide_10 * lambda_2)
+    AB_2 = A * A + t7 * t7
+    t8 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t8 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t5 * t5)
     root = 1 / ca.sqrt(AB_2)
-    cos_1 = t5 * root
+    cos_1 = t7 * root
     sin_1 = A * root
-    q_2_1_0 = v_1 * cos_1
-    t7 = v_1 * sin_1
-    t8 = r_3_0 * cos_1
-    q_3_1_0 = t8 + r_3_1 * sin_1
-    t9 = r_3_1 * cos_1
-    q_3_1_1 = t9 - r_3_0 * sin_1
-    t10 = slide_11 * q_2_1_0
-    t11 = slide_10 * t7 + t10
+    q_2_1_0 = t5 * cos_1
+    t9 = t5 * sin_1
+    t10 = r_3_0 * cos_1
+    q_3_1_0 = t10 + r_3_1 * sin_1
+    t11 = r_3_1 * cos_1
+    q_3_1_1 = t11 - r_3_0 * sin_1
+    t12 = slide_11 * q_2_1_0
+    t13 = slide_10 * t9 + t12
     g_3_1 = slide_20 * q_3_1_1 - slide_21 * q_3_1_0
-    t12 = lambda_2 * g_3_1
-    t13 = lambda_3 * t11
-    t14 = slide_00 * t12 - lambda_1 * (slide_20 * t11 + slide_10 * g_3_1) + slide_00 * t13
-    t15 = 1 / t6
-    o_1_0 = t14 * t15  # Q^T (p - s_1)
-    t16 = slide_01 * t12 - lambda_1 * (slide_21 * t11 + slide_11 * g_3_1) + slide_01 * t13
-    o_1_1 = t15 * t16  # Q^T (p - s_1)
+    t14 = lambda_2 * g_3_1
+    t15 = lambda_3 * t13
+    t16 = slide_00 * t14 - lambda_1 * (slide_20 * t13 + slide_10 * g_3_1) + slide_00 * t15
+    t17 = 1 / t8
+    o_1_0 = t16 * t17  # Q^T (p - s_1)
+    t18 = slide_01 * t14 - lambda_1 * (slide_21 * t13 + slide_11 * g_3_1) + slide_01 * t15
+    o_1_1 = t17 * t18  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
-    t17 = t7 + o_1_1
+    t19 = t9 + o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0  # S_i in the platform frame
     S_3_1_1 = q_3_1_1 - o_1_1
-    sin_2 = root * (t4 - t3)
-    t18 = v_1 * sin_2
-    q_3_2_0 = r_3_1 * sin_2 - t8
-    t19 = t9 + r_3_0 * sin_2
-    g_2_2 = t10 - slide_10 * t18
-    t20 = slide_20 * t19 + slide_21 * q_3_2_0
-    t21 = lambda_2 * t20
-    t22 = lambda_3 * g_2_2
-    t23 = lambda_1 * (slide_20 * g_2_2 + slide_10 * t20) - slide_00 * t21 - slide_00 * t22
-    o_2_0 = t15 * t23  # Q^T (p - s_1)
-    t24 = lambda_1 * (slide_21 * g_2_2 + slide_11 * t20) - slide_01 * t21 - slide_01 * t22
-    o_2_1 = t15 * t24  # Q^T (p - s_1)
-    t25 = q_2_1_0 + o_2_0
-    t26 = t18 + o_2_1
+    sin_2 = root * (t6 - t4)
+    t20 = t5 * sin_2
+    q_3_2_0 = r_3_1 * sin_2 - t10
+    t21 = t11 + r_3_0 * sin_2
+    g_2_2 = t12 - slide_10 * t20
+    t22 = slide_20 * t21 + slide_21 * q_3_2_0
+    t23 = lambda_2 * t22
+    t24 = lambda_3 * g_2_2
+    t25 = lambda_1 * (slide_20 * g_2_2 + slide_10 * t22) - slide_00 * t23 - slide_00 * t24
+    o_2_0 = t17 * t25  # Q^T (p - s_1)
+    t26 = lambda_1 * (slide_21 * g_2_2 + slide_11 * t22) - slide_01 * t23 - slide_01 * t24
+    o_2_1 = t17 * t26  # Q^T (p - s_1)
+    t27 = q_2_1_0 + o_2_0
+    t28 = t20 + o_2_1
     S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
-    t27 = t19 + o_2_1
-    t28 = cos_1 * o_1_0 - sin_1 * o_1_1
-    t29 = cos_1 * o_1_1 + sin_1 * o_1_0
-    t30 = cos_1 * o_2_0 + sin_2 * o_2_1
-    t31 = sin_2 * o_2_0 - cos_1 * o_2_1
-    t32 = x_1_0 * cos_1
-    t33 = y_1_0 * cos_1
-    t34 = x_1_1 * cos_1
-    t35 = y_1_1 * cos_1
-    t36 = x_1_2 * cos_1
-    t37 = y_1_2 * cos_1
-    t38 = slide_00 * o_1_0 + slide_01 * o_1_1
-    redundant_01 = slide_10 * S_2_1_0 - slide_11 * t17
+    t29 = t21 + o_2_1
+    t30 = cos_1 * o_1_0 - sin_1 * o_1_1
+    t31 = cos_1 * o_1_1 + sin_1 * o_1_0
+    t32 = cos_1 * o_2_0 + sin_2 * o_2_1
+    t33 = sin_2 * o_2_0 - cos_1 * o_2_1
+    t34 = x_1_0 * cos_1
+    t35 = y_1_0 * cos_1
+    t36 = x_1_1 * cos_1
+    t37 = y_1_1 * cos_1
+    t38 = x_1_2 * cos_1
+    t39 = y_1_2 * cos_1
+    t40 = slide_00 * o_1_0 + slide_01 * o_1_1
+    redundant_01 = slide_10 * S_2_1_0 - slide_11 * t19
     redundant_02 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t39 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t40 = slide_10 * t25 + slide_11 * t26
-    redundant_12 = slide_20 * S_3_2_0 - slide_21 * t27
-    t41 = o_1_0 * t17 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
-    det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t38 + lambda_3 * redundant_02) * (t41 + t17 * S_3_1_0)
-    t42 = o_2_0 * t26 - o_2_1 * S_3_2_0 + t25 * t27 - o_2_0 * t27 - o_2_1 * t25 + t26 * S_3_2_0
+    t41 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t42 = slide_10 * t27 + slide_11 * t28
+    redundant_12 = slide_20 * S_3_2_0 - slide_21 * t29
+    t43 = o_1_0 * t19 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
+    det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t40 + lambda_3 * redundant_02) * (t43 + t19 * S_3_1_0)
+    t44 = o_2_0 * t28 - o_2_1 * S_3_2_0 + t27 * t29 - o_2_0 * t29 - o_2_1 * t27 + t28 * S_3_2_0
     return (
         (  # flatness
             flatness_0,
         ),
-        (  # radicand
-            AB_2,
-        ),
         (  # breadth
             AB_2 / size,
         ),
+        (  # radicand
+            AB_2,
+        ),
         (  # p
-            s_00 + x_1_0 * t28 + y_1_0 * t29,
-            s_01 + x_1_1 * t28 + y_1_1 * t29,
-            s_02 + x_1_2 * t28 + y_1_2 * t29,
-            s_00 - x_1_0 * t30 + y_1_0 * t31,
-            s_01 - x_1_1 * t30 + y_1_1 * t31,
-            s_02 - x_1_2 * t30 + y_1_2 * t31,
+            s_00 + x_1_0 * t30 + y_1_0 * t31,
+            s_01 + x_1_1 * t30 + y_1_1 * t31,
+            s_02 + x_1_2 * t30 + y_1_2 * t31,
+            s_00 - x_1_0 * t32 + y_1_0 * t33,
+            s_01 - x_1_1 * t32 + y_1_1 * t33,
+            s_02 - x_1_2 * t32 + y_1_2 * t33,
         ),
         (  # Q
-            t32 + y_1_0 * sin_1,
-            t33 - x_1_0 * sin_1,
+            t34 + y_1_0 * sin_1,
+            t35 - x_1_0 * sin_1,
             z_1_0,
-            t34 + y_1_1 * sin_1,
-            t35 - x_1_1 * sin_1,
+            t36 + y_1_1 * sin_1,
+            t37 - x_1_1 * sin_1,
             z_1_1,
-            t36 + y_1_2 * sin_1,
-            t37 - x_1_2 * sin_1,
+            t38 + y_1_2 * sin_1,
+            t39 - x_1_2 * sin_1,
             z_1_2,
-            y_1_0 * sin_2 - t32,
-            -(t33 + x_1_0 * sin_2),
+            y_1_0 * sin_2 - t34,
+            -(t35 + x_1_0 * sin_2),
             z_1_0,
-            y_1_1 * sin_2 - t34,
-            -(t35 + x_1_1 * sin_2),
+            y_1_1 * sin_2 - t36,
+            -(t37 + x_1_1 * sin_2),
             z_1_1,
-            y_1_2 * sin_2 - t36,
-            -(t37 + x_1_2 * sin_2),
+            y_1_2 * sin_2 - t38,
+            -(t39 + x_1_2 * sin_2),
             z_1_2,
         ),
         (  # redundant
-            -t38,
+            -t40,
             redundant_01,
             redundant_02,
-            -t39,
-            -t40,
+            -t41,
+            -t42,
             redundant_12,
         ),
         (  # det_J
             det_J_0,
-            (lambda_3 * redundant_12 - (lambda_1 * t39 + lambda_2 * t40)) * t42,
+            (lambda_3 * redundant_12 - (lambda_1 * t41 + lambda_2 * t42)) * t44,
         ),
         (  # count
             2,
@@ -571,11 +573,10 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.30), (2.31).  (67 add, 122 multiply, 8 divide, 3 square root, 2 select)"""
+    (2.30), (2.31).  (69 add, 126 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
-    side_1 = side / ca.fabs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -590,16 +591,16 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
-    round = lambda_3 + (lambda_1 + lambda_2)
-    sense = round / ca.fabs(round)  # +1 where the legs go round z_1
-    flatness_0 = s_n_2_a * (sense * sense) / (s_12_2_a * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    sense = lambda_3 + (lambda_1 + lambda_2)  # positive where the legs go round z_1
+    sense_2 = sense * sense
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    area = ca.sqrt(s_n_2_a)
     t1 = 1 / v_1
     x_1_0 = s_12_0 * t1  # (3.1)
     x_1_1 = s_12_1 * t1
     x_1_2 = s_12_2 * t1
-    t2 = 1 / area
+    t2 = 1 / ca.sqrt(s_n_w)
     z_1_0 = s_n_0 * sense * t2  # (3.2)
     z_1_1 = t2 * (s_n_1 * sense)
     z_1_2 = t2 * (s_n_2 * sense)
@@ -608,44 +609,47 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    A = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0) - v_1 * (slide_11 * lambda_2)
-    t3 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
-    AB_2 = A * A + t3 * t3
-    t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + v_1 * v_1)
-    root = 1 / ca.sqrt(AB_2)
-    cos = side_1 * (t3 * root)
-    sin = side_1 * (A * root)
-    q_2_0 = v_1 * cos
-    t5 = v_1 * sin
+    t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    A = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0) - slide_11 * lambda_2 * t3
+    t4 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t3 * (slide_10 * lambda_2)
+    AB_2 = A * A + t4 * t4
+    t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3)
+    side_2 = side * side
+    ratio = AB_2 / side_2
+    root = ca.sqrt(ratio) / AB_2
+    cos = side * (t4 * root)
+    sin = side * (A * root)
+    q_2_0 = t3 * cos
+    t6 = t3 * sin
     q_3_0 = r_3_0 * cos + r_3_1 * sin
     q_3_1 = r_3_1 * cos - r_3_0 * sin
-    t6 = slide_10 * t5 + slide_11 * q_2_0
+    t7 = slide_10 * t6 + slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
-    t7 = lambda_2 * g_3
-    t8 = lambda_3 * t6
-    t9 = 1 / t4
-    o_0 = (slide_00 * t7 - lambda_1 * (slide_20 * t6 + slide_10 * g_3) + slide_00 * t8) * t9  # Q^T (p - s_1)
-    o_1 = t9 * (slide_01 * t7 - lambda_1 * (slide_21 * t6 + slide_11 * g_3) + slide_01 * t8)
+    t8 = lambda_2 * g_3
+    t9 = lambda_3 * t7
+    t10 = 1 / t5
+    o_0 = (slide_00 * t8 - lambda_1 * (slide_20 * t7 + slide_10 * g_3) + slide_00 * t9) * t10  # Q^T (p - s_1)
+    o_1 = t10 * (slide_01 * t8 - lambda_1 * (slide_21 * t7 + slide_11 * g_3) + slide_01 * t9)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
-    t10 = cos * o_0 - sin * o_1
-    t11 = cos * o_1 + sin * o_0
+    t11 = cos * o_0 - sin * o_1
+    t12 = cos * o_1 + sin * o_0
     return (
         (  # flatness
             flatness_0,
         ),
-        (  # radicand
-            AB_2 * (side_1 * side_1),
-        ),
         (  # breadth
             AB_2 / size,
         ),
+        (  # radicand
+            side_2 * ratio,
+        ),
         (  # p
-            s_00 + x_1_0 * t10 + y_1_0 * t11,
-            s_01 + x_1_1 * t10 + y_1_1 * t11,
-            s_02 + x_1_2 * t10 + y_1_2 * t11,
+            s_00 + x_1_0 * t11 + y_1_0 * t12,
+            s_01 + x_1_1 * t11 + y_1_1 * t12,
+            s_02 + x_1_2 * t11 + y_1_2 * t12,
         ),
         (  # Q
             x_1_0 * cos + y_1_0 * sin,
@@ -660,7 +664,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
         ),
         (  # redundant
             -(slide_00 * o_0 + slide_01 * o_1),
-            slide_10 * S_2_0 - slide_11 * (t5 + o_1),
+            slide_10 * S_2_0 - slide_11 * (t6 + o_1),
             slide_20 * S_3_0 + slide_21 * S_3_1,
         ),
     )

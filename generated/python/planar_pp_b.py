@@ -1295,7 +1295,7 @@ def forward_all(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool =
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        radicand, breadth, p, phi, redundant, det_J, count = platform.assembly_modes(
+        breadth, radicand, p, phi, redundant, det_J, count = platform.assembly_modes(
             arguments.whole("s"), rt.legs(slide), rt.legs(distance), rt.legs(start))
         results = arguments.finish(
             {
@@ -1340,7 +1340,7 @@ def forward(
     with rt.quiet():
         s = subleg.forward(g.subleg, arguments.leg("theta"))
         slide, distance, start = platform.tie(g.platform)
-        assembly_radicand, breadth, p, phi, redundant = platform.assembly_mode(
+        breadth, assembly_radicand, p, phi, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), rt.legs(distance), rt.legs(start), arguments.whole("side"))
         results = arguments.finish(
             {

@@ -410,11 +410,11 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any) -> tuple[Any, 
     t22 = slide_10 * S_2_2_0 + slide_11 * S_2_2_1
     t23 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
     return (
-        (  # radicand
-            radicand_a,
-        ),
         (  # breadth
             AB_2 / size,
+        ),
+        (  # radicand
+            radicand_a,
         ),
         (  # p
             s_00 + cos_1 * o_1_0 - sin_1 * o_1_1,
@@ -446,13 +446,12 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any) -> tuple[Any, 
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.8).  (56 add, 84 multiply, 4 divide, 1 square root, 1 arctangent, 1 select)"""
+    (2.8).  (56 add, 84 multiply, 4 divide, 1 square root, 1 arctangent)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
     start_0, start_1, start_2 = start
     side, = side
-    side_1 = side / np.abs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -464,14 +463,15 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     t1 = lambda_2 * (slide_10 * s_12_0 + slide_11 * s_12_1) + lambda_3 * (slide_20 * s_13_0 + slide_21 * s_13_1)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + t1 * t1
-    radicand_a = AB_2 - C * C
     t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
     size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
+    side_2 = side * side
+    ratio = (AB_2 - C * C) / side_2
     t3 = 1 / AB_2
-    root = np.sqrt(radicand_a) * t3
+    root = np.sqrt(ratio) * t3
     middle = C * t3
-    cos = A * middle + side_1 * (t1 * root)
-    sin = side_1 * (A * root) - t1 * middle
+    cos = A * middle + side * (t1 * root)
+    sin = side * (A * root) - t1 * middle
     q_2_0 = s_12_0 * cos + s_12_1 * sin
     q_2_1 = s_12_1 * cos - s_12_0 * sin
     q_3_0 = s_13_0 * cos + s_13_1 * sin
@@ -488,11 +488,11 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
     return (
-        (  # radicand
-            radicand_a * (side_1 * side_1),
-        ),
         (  # breadth
             AB_2 / size,
+        ),
+        (  # radicand
+            side_2 * ratio,
         ),
         (  # p
             s_00 + cos * o_0 - sin * o_1,

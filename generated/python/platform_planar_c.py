@@ -372,11 +372,11 @@ def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
     redundant_11 = slide_11 * S_2_2_1 - slide_10 * (q_2_1_0 + o_2_0)
     redundant_12 = slide_21 * S_3_2_1 - slide_20 * (q_3_1_0 + o_2_0)
     return (
-        (  # radicand
-            AB_2,
-        ),
         (  # breadth
             AB_2 / size,
+        ),
+        (  # radicand
+            AB_2,
         ),
         (  # p
             s_00 + cos_1 * o_1_0 - sin_1 * o_1_1,
@@ -408,11 +408,10 @@ def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.13).  (42 add, 70 multiply, 4 divide, 1 square root, 1 arctangent, 1 select)"""
+    (2.13).  (42 add, 70 multiply, 4 divide, 1 square root, 1 arctangent)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
-    side_1 = side / np.abs(side)  # +1 or -1
     lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
     lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
     lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
@@ -425,9 +424,11 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     AB_2 = A * A + t1 * t1
     t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
     size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
-    root = 1 / np.sqrt(AB_2)
-    cos = side_1 * (t1 * root)
-    sin = side_1 * (A * root)
+    side_2 = side * side
+    ratio = AB_2 / side_2
+    root = np.sqrt(ratio) / AB_2
+    cos = side * (t1 * root)
+    sin = side * (A * root)
     q_2_0 = s_12_0 * cos + s_12_1 * sin
     q_2_1 = s_12_1 * cos - s_12_0 * sin
     q_3_0 = s_13_0 * cos + s_13_1 * sin
@@ -444,11 +445,11 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
     return (
-        (  # radicand
-            AB_2 * (side_1 * side_1),
-        ),
         (  # breadth
             AB_2 / size,
+        ),
+        (  # radicand
+            side_2 * ratio,
         ),
         (  # p
             s_00 + cos * o_0 - sin * o_1,

@@ -1425,7 +1425,7 @@ def forward_all(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        flatness, radicand, breadth, p, Q, redundant, det_J, count = platform.assembly_modes(
+        flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             arguments.whole("s"), rt.legs(slide), rt.legs(distance), rt.legs(start),
             arguments.whole("turned"))
         results = arguments.finish(
@@ -1477,7 +1477,7 @@ def forward(
             lambda at: subleg.forward_step(g.subleg, arguments.leg("theta"), at), arguments.leg("s_near"),
             1e-20, 25)
         slide, distance, start = platform.tie(g.platform)
-        flatness, assembly_radicand, breadth, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, p, Q, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), rt.legs(distance), rt.legs(start), arguments.whole("side"))
         results = arguments.finish(
             {

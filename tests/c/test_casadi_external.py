@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import krhpr
+from krhpr.codegen.composition import SIGNS
 from tests.c.support import CONFORMANCE, OPTIONAL, ROBOTS, SOURCES, program, run
 from tests.support import large
 
@@ -117,6 +118,8 @@ def arguments(identifier: str, function: Any, at: Mapping[str, np.ndarray]) -> l
             value = branches[name](default)
         elif name in at:
             value = at[name]
+        elif name in SIGNS:
+            value = np.ones(shape)
         else:
             value, used = at["rates"][used : used + shape[0] * shape[1]], used + shape[0] * shape[1]
         found.append(ca.DM(np.reshape(value, shape)))

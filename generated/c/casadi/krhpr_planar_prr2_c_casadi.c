@@ -170,6 +170,7 @@ static const casadi_int P71[3] = {1, 3, 1};
 static const casadi_int P72[3] = {4, 6, 1};
 static const casadi_int P73[3] = {2, 6, 1};
 static const casadi_int P74[3] = {6, 6, 1};
+static const casadi_int P75[6] = {1, 3, 0, 0, 0, 0};
 
 /* -- end_points -- */
 
@@ -1091,13 +1092,13 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const det_J = found + 12;
     krhpr_dual *const count = found + 14;
     krhpr_dual slide[6];
-    krhpr_dual radicand[1];
     krhpr_dual breadth[1];
+    krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes_tangent(
-        s, slide, radicand, breadth, p, phi, redundant, det_J, count);
+        s, slide, breadth, radicand, p, phi, redundant, det_J, count);
 }
 
 static const krhpr_casadi_slot in_forward_all[] = {
@@ -1129,6 +1130,29 @@ static int value_forward(const double *x, double *y)
     return plain_forward(&geometry, x, x + 6, x[9], y, y + 2, y + 3);
 }
 
+static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    const krhpr_dual *const side = given + 9;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 2;
+    krhpr_dual *const redundant = found + 3;
+    krhpr_dual s[6];
+    krhpr_dual slide[6];
+    krhpr_dual breadth[1];
+    krhpr_dual assembly_radicand[1];
+    double assembly[3];
+    krhpr_casadi_values(3, given + 6, assembly);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_planar_prr2_forward_tangent(
+            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_planar_c_assembly_mode_tangent(
+        s, slide, side, breadth, assembly_radicand, p, phi, redundant);
+}
+
 static const krhpr_casadi_slot in_forward[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
     {"out_assembly", 3, 1, 1, assembly_default, P4, P5},
@@ -1139,7 +1163,15 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_phi", 1, 1, 1, NULL, P2, P3},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
+static const casadi_int *const structure_forward[] = {
+    P73, P21, P0, P69, P75, P2, P51, P13, P4
+};
+static const char *const names_forward[] = {
+    "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
+    "jac_redundant_theta", "jac_redundant_assembly", "jac_redundant_side"
+};
 static const krhpr_casadi_function function_forward = {
-    3, in_forward, 3, out_forward, value_forward, NULL, NULL, NULL
+    3, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

@@ -412,8 +412,8 @@ static inline void krhpr_platform_planar_c_tie_tangent(
 /* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
  * (238 add, 301 multiply, 5 divide, 1 square root, 2 arctangent) */
 static inline void krhpr_platform_planar_c_assembly_modes_tangent(
-    const krhpr_dual *s, const krhpr_dual *slide, krhpr_dual *KRHPR_RESTRICT radicand,
-    krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
+    const krhpr_dual *s, const krhpr_dual *slide, krhpr_dual *KRHPR_RESTRICT breadth,
+    krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
     krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT det_J, krhpr_dual *KRHPR_RESTRICT count)
 {
     const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
@@ -488,8 +488,8 @@ static inline void krhpr_platform_planar_c_assembly_modes_tangent(
     const double redundant_12 = slide[5].v * S_3_2_1 - slide[4].v * h24;
     const double h8 = 1.0 / size;
     const double h22 = 1.0 / (cos_1 * cos_1 + sin_1 * sin_1);
-    radicand[0].v = AB_2;
     breadth[0].v = breadth_0;
+    radicand[0].v = AB_2;
     p[0].v = s[0].v + cos_1 * o_1_0 - sin_1 * o_1_1;
     p[1].v = s[1].v + cos_1 * o_1_1 + sin_1 * o_1_0;
     p[2].v = s[0].v - cos_1 * o_2_0 + sin_1 * o_2_1;
@@ -579,8 +579,8 @@ static inline void krhpr_platform_planar_c_assembly_modes_tangent(
         const double t77 = S_3_2_1 * slide[5].t[k] + slide[5].v * (t61 - t71) - (h24 * slide[4].t[k] + slide[4].v * (t43 + t68));
         const double t78 = redundant_01 * t8 + lambda_2 * t73 - (h25 * t7 + lambda_1 * t72) + (redundant_02 * t9 + lambda_3 * t74);
         const double t79 = redundant_11 * t8 + lambda_2 * t76 - (h26 * t7 + lambda_1 * t75) + (redundant_12 * t9 + lambda_3 * t77);
-        radicand[0].t[k] = t22;
         breadth[0].t[k] = h8 * (t22 - t31);
+        radicand[0].t[k] = t22;
         p[0].t[k] = s[0].t[k] + (o_1_0 * t35 + cos_1 * t56) - (o_1_1 * t38 + sin_1 * t59);
         p[1].t[k] = s[1].t[k] + (o_1_1 * t35 + cos_1 * t59) + (o_1_0 * t38 + sin_1 * t56);
         p[2].t[k] = s[0].t[k] - (o_2_0 * t35 + cos_1 * t68) + (o_2_1 * t38 + sin_1 * t71);
@@ -599,12 +599,13 @@ static inline void krhpr_platform_planar_c_assembly_modes_tangent(
     }
 }
 
-/* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).  (67
- * add, 77 multiply, 2 divide) */
+/* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
+ * (159 add, 214 multiply, 9 divide, 1 square root, 1 arctangent) */
 static inline void krhpr_platform_planar_c_assembly_mode_tangent(
-    const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT breadth)
+    const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT breadth,
+    krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
+    krhpr_dual *KRHPR_RESTRICT redundant)
 {
-    (void)(side);
     const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
     const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
     const double lambda_3 = slide[0].v * slide[3].v - slide[1].v * slide[2].v;
@@ -623,31 +624,104 @@ static inline void krhpr_platform_planar_c_assembly_mode_tangent(
     const double h6 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1;
     const double size = h7 * h6;
     const double breadth_0 = AB_2 / size;
+    const double side_2 = side[0].v * side[0].v;
+    const double ratio = AB_2 / side_2;
+    const double t1 = sqrt(ratio);
+    const double root = t1 / AB_2;
+    const double h12 = h5 * root;
+    const double cos = side[0].v * h12;
+    const double h13 = A * root;
+    const double sin = side[0].v * h13;
+    const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
+    const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
+    const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
+    const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
+    const double g_2 = slide[2].v * q_2_1 - slide[3].v * q_2_0;
+    const double g_3 = slide[4].v * q_3_1 - slide[5].v * q_3_0;
+    const double h14 = slide[4].v * g_2 - slide[2].v * g_3;
+    const double h15 = lambda_2 * g_3;
+    const double h16 = lambda_3 * g_2;
+    const double h18 = lambda_1 * h14 + slide[0].v * h15 - slide[0].v * h16;
+    const double h17 = 1.0 / h7;
+    const double o_0 = h18 * h17;
+    const double h19 = slide[5].v * g_2 - slide[3].v * g_3;
+    const double h20 = lambda_1 * h19 + slide[1].v * h15 - slide[1].v * h16;
+    const double o_1 = h17 * h20;
+    const double S_2_0 = q_2_0 - o_0;
+    const double S_2_1 = q_2_1 - o_1;
+    const double S_3_0 = q_3_0 - o_0;
+    const double S_3_1 = q_3_1 - o_1;
     const double h8 = 1.0 / size;
+    const double h9 = 1.0 / side_2;
+    const double h10 = 1.0 / t1;
+    const double h11 = 1.0 / AB_2;
+    const double h21 = 1.0 / (cos * cos + sin * sin);
     breadth[0].v = breadth_0;
+    radicand[0].v = side_2 * ratio;
+    p[0].v = s[0].v + cos * o_0 - sin * o_1;
+    p[1].v = s[1].v + cos * o_1 + sin * o_0;
+    phi[0].v = krhpr_atan2(sin, cos);
+    redundant[0].v = -(slide[0].v * o_0 + slide[1].v * o_1);
+    redundant[1].v = slide[2].v * S_2_0 + slide[3].v * S_2_1;
+    redundant[2].v = slide[4].v * S_3_0 + slide[5].v * S_3_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
-        const double t2 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
-        const double t3 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
-        const double t4 = s[2].t[k] - s[0].t[k];
-        const double t5 = s[3].t[k] - s[1].t[k];
-        const double t6 = s[4].t[k] - s[0].t[k];
-        const double t7 = s[5].t[k] - s[1].t[k];
-        const double t8 = s_12_1 * slide[2].t[k] + slide[2].v * t5 - (s_12_0 * slide[3].t[k] + slide[3].v * t4);
-        const double t9 = s_13_1 * slide[4].t[k] + slide[4].v * t7 - (s_13_0 * slide[5].t[k] + slide[5].v * t6);
-        const double t10 = s_12_0 * slide[2].t[k] + slide[2].v * t4 + (s_12_1 * slide[3].t[k] + slide[3].v * t5);
-        const double t11 = s_13_0 * slide[4].t[k] + slide[4].v * t6 + (s_13_1 * slide[5].t[k] + slide[5].v * t7);
-        const double t12 = A * (h1 * t2 + lambda_2 * t8 + (h2 * t3 + lambda_3 * t9));
-        const double t13 = h5 * (h3 * t2 + lambda_2 * t10 + (h4 * t3 + lambda_3 * t11));
-        const double t14 = lambda_1 * t1;
-        const double t15 = lambda_2 * t2;
-        const double t16 = lambda_3 * t3;
-        const double t17 = s_12_0 * t4;
-        const double t18 = s_12_1 * t5;
-        const double t19 = s_13_0 * t6;
-        const double t20 = s_13_1 * t7;
-        const double t21 = h6 * (t14 + t14 + (t15 + t15) + (t16 + t16)) + h7 * (t17 + t17 + (t18 + t18) + (t19 + t19) + (t20 + t20));
-        breadth[0].t[k] = h8 * (t12 + t12 + (t13 + t13) - breadth_0 * t21);
+        const double t2 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
+        const double t3 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
+        const double t4 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
+        const double t5 = s[2].t[k] - s[0].t[k];
+        const double t6 = s[3].t[k] - s[1].t[k];
+        const double t7 = s[4].t[k] - s[0].t[k];
+        const double t8 = s[5].t[k] - s[1].t[k];
+        const double t9 = s_12_1 * slide[2].t[k] + slide[2].v * t6 - (s_12_0 * slide[3].t[k] + slide[3].v * t5);
+        const double t10 = s_13_1 * slide[4].t[k] + slide[4].v * t8 - (s_13_0 * slide[5].t[k] + slide[5].v * t7);
+        const double t11 = h1 * t3 + lambda_2 * t9 + (h2 * t4 + lambda_3 * t10);
+        const double t12 = s_12_0 * slide[2].t[k] + slide[2].v * t5 + (s_12_1 * slide[3].t[k] + slide[3].v * t6);
+        const double t13 = s_13_0 * slide[4].t[k] + slide[4].v * t7 + (s_13_1 * slide[5].t[k] + slide[5].v * t8);
+        const double t14 = h3 * t3 + lambda_2 * t12 + (h4 * t4 + lambda_3 * t13);
+        const double t15 = A * t11;
+        const double t16 = h5 * t14;
+        const double t17 = t15 + t15 + (t16 + t16);
+        const double t18 = lambda_1 * t2;
+        const double t19 = lambda_2 * t3;
+        const double t20 = lambda_3 * t4;
+        const double t21 = t18 + t18 + (t19 + t19) + (t20 + t20);
+        const double t22 = s_12_0 * t5;
+        const double t23 = s_12_1 * t6;
+        const double t24 = s_13_0 * t7;
+        const double t25 = s_13_1 * t8;
+        const double t26 = breadth_0 * (h6 * t21 + h7 * (t22 + t22 + (t23 + t23) + (t24 + t24) + (t25 + t25)));
+        const double t27 = side[0].v * side[0].t[k];
+        const double t28 = ratio * (t27 + t27);
+        const double t29 = h9 * (t17 - t28);
+        const double t30 = h11 * (h10 * (0.5 * t29) - root * t17);
+        const double t31 = h12 * side[0].t[k] + side[0].v * (root * t14 + h5 * t30);
+        const double t32 = h13 * side[0].t[k] + side[0].v * (root * t11 + A * t30);
+        const double t33 = cos * t5 + s_12_0 * t31 + (sin * t6 + s_12_1 * t32);
+        const double t34 = cos * t6 + s_12_1 * t31 - (sin * t5 + s_12_0 * t32);
+        const double t35 = cos * t7 + s_13_0 * t31 + (sin * t8 + s_13_1 * t32);
+        const double t36 = cos * t8 + s_13_1 * t31 - (sin * t7 + s_13_0 * t32);
+        const double t37 = q_2_1 * slide[2].t[k] + slide[2].v * t34 - (q_2_0 * slide[3].t[k] + slide[3].v * t33);
+        const double t38 = q_3_1 * slide[4].t[k] + slide[4].v * t36 - (q_3_0 * slide[5].t[k] + slide[5].v * t35);
+        const double t39 = g_2 * slide[4].t[k] + slide[4].v * t37 - (g_3 * slide[2].t[k] + slide[2].v * t38);
+        const double t40 = g_3 * t3 + lambda_2 * t38;
+        const double t41 = g_2 * t4 + lambda_3 * t37;
+        const double t42 = h14 * t2 + lambda_1 * t39 + (h15 * slide[0].t[k] + slide[0].v * t40) - (h16 * slide[0].t[k] + slide[0].v * t41);
+        const double t43 = h17 * (h17 * t21);
+        const double t44 = h17 * t42 - h18 * t43;
+        const double t45 = g_2 * slide[5].t[k] + slide[5].v * t37 - (g_3 * slide[3].t[k] + slide[3].v * t38);
+        const double t46 = h19 * t2 + lambda_1 * t45 + (h15 * slide[1].t[k] + slide[1].v * t40) - (h16 * slide[1].t[k] + slide[1].v * t41);
+        const double t47 = h17 * t46 - h20 * t43;
+        const double t48 = o_0 * slide[0].t[k] + slide[0].v * t44 + (o_1 * slide[1].t[k] + slide[1].v * t47);
+        const double t49 = S_2_0 * slide[2].t[k] + slide[2].v * (t33 - t44) + (S_2_1 * slide[3].t[k] + slide[3].v * (t34 - t47));
+        const double t50 = S_3_0 * slide[4].t[k] + slide[4].v * (t35 - t44) + (S_3_1 * slide[5].t[k] + slide[5].v * (t36 - t47));
+        breadth[0].t[k] = h8 * (t17 - t26);
+        radicand[0].t[k] = t28 + side_2 * t29;
+        p[0].t[k] = s[0].t[k] + (o_0 * t31 + cos * t44) - (o_1 * t32 + sin * t47);
+        p[1].t[k] = s[1].t[k] + (o_1 * t31 + cos * t47) + (o_0 * t32 + sin * t44);
+        phi[0].t[k] = h21 * (cos * t32 - sin * t31);
+        redundant[0].t[k] = -t48;
+        redundant[1].t[k] = t49;
+        redundant[2].t[k] = t50;
     }
 }
 

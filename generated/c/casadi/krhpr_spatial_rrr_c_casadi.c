@@ -228,6 +228,11 @@ static const casadi_int P87[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 
 static const casadi_int P88[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
 static const casadi_int P89[3] = {2, 9, 1};
 static const casadi_int P90[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P91[3] = {9, 9, 1};
+static const casadi_int P92[3] = {9, 1, 1};
+static const casadi_int P93[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P94[3] = {3, 9, 1};
+static const casadi_int P95[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
 
 /* -- rotation_error -- */
 
@@ -1151,6 +1156,26 @@ static int value_forward_all(const double *x, double *y)
     return plain_forward_all(&geometry, x, x[9], y, y + 6, y + 24, y + 30, y + 32);
 }
 
+static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const turned = given + 9;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 6;
+    krhpr_dual *const redundant = found + 24;
+    krhpr_dual *const det_J = found + 30;
+    krhpr_dual *const count = found + 32;
+    krhpr_dual slide[6];
+    krhpr_dual flatness[1];
+    krhpr_dual breadth[1];
+    krhpr_dual radicand[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_assembly_modes_tangent(
+        s, slide, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+}
+
 static const krhpr_casadi_slot in_forward_all[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_turned", 1, 1, 1, NULL, P2, P3},
@@ -1163,16 +1188,44 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_det_J", 2, 1, 1, NULL, P18, P19},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
+static const casadi_int *const structure_forward_all[] = {
+    P61, P8, P91, P92, P91, P92, P61, P8, P89, P18, P93, P3
+};
+static const char *const names_forward_all[] = {
+    "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
+    "jac_redundant_turned", "jac_det_J_s", "jac_det_J_turned", "jac_count_s", "jac_count_turned"
+};
 static const krhpr_casadi_function function_forward_all = {
-    2, in_forward_all, 6, out_forward_all, value_forward_all, NULL, NULL, NULL
+    2, in_forward_all, 6, out_forward_all, value_forward_all, tangent_forward_all, structure_forward_all, names_forward_all
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 /* -- forward -- */
 
 static int value_forward(const double *x, double *y)
 {
     return plain_forward(&geometry, x, x[9], y, y + 3, y + 12);
+}
+
+static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    const krhpr_dual *const side = given + 9;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const redundant = found + 12;
+    krhpr_dual s[9];
+    krhpr_dual slide[6];
+    krhpr_dual flatness[1];
+    krhpr_dual breadth[1];
+    krhpr_dual assembly_radicand[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_rrr_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 3 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_assembly_mode_tangent(
+        s, slide, side, flatness, breadth, assembly_radicand, p, Q, redundant);
 }
 
 static const krhpr_casadi_slot in_forward[] = {
@@ -1184,7 +1237,14 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
+static const casadi_int *const structure_forward[] = {
+    P94, P4, P91, P95, P94, P4
+};
+static const char *const names_forward[] = {
+    "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side"
+};
 static const krhpr_casadi_function function_forward = {
-    2, in_forward, 3, out_forward, value_forward, NULL, NULL, NULL
+    2, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

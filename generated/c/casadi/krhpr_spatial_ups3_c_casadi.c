@@ -206,6 +206,9 @@ static const casadi_int P78[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2,
 static const casadi_int P79[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
 static const casadi_int P80[3] = {2, 9, 1};
 static const casadi_int P81[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P82[3] = {9, 9, 1};
+static const casadi_int P83[3] = {9, 1, 1};
+static const casadi_int P84[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -1088,6 +1091,26 @@ static int value_forward_all(const double *x, double *y)
     return plain_forward_all(&geometry, x, x[9], y, y + 6, y + 24, y + 30, y + 32);
 }
 
+static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const turned = given + 9;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 6;
+    krhpr_dual *const redundant = found + 24;
+    krhpr_dual *const det_J = found + 30;
+    krhpr_dual *const count = found + 32;
+    krhpr_dual slide[6];
+    krhpr_dual flatness[1];
+    krhpr_dual breadth[1];
+    krhpr_dual radicand[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_assembly_modes_tangent(
+        s, slide, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+}
+
 static const krhpr_casadi_slot in_forward_all[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_turned", 1, 1, 1, NULL, P2, P3},
@@ -1100,10 +1123,18 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_det_J", 2, 1, 1, NULL, P22, P23},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
+static const casadi_int *const structure_forward_all[] = {
+    P61, P8, P82, P83, P82, P83, P61, P8, P80, P22, P84, P3
+};
+static const char *const names_forward_all[] = {
+    "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
+    "jac_redundant_turned", "jac_det_J_s", "jac_det_J_turned", "jac_count_s", "jac_count_turned"
+};
 static const krhpr_casadi_function function_forward_all = {
-    2, in_forward_all, 6, out_forward_all, value_forward_all, NULL, NULL, NULL
+    2, in_forward_all, 6, out_forward_all, value_forward_all, tangent_forward_all, structure_forward_all, names_forward_all
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 /* -- forward -- */
 
