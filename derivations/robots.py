@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from krhpr.codegen.composition import (
     SINGULAR_TOLERANCE,
     Call,
+    EachRoot,
     Guard,
     Relation,
     Repeat,
@@ -23,6 +24,7 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.forward import SIDE, TURNED, forward_ports
+from krhpr.derivations.platforms.revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
 
@@ -105,6 +107,8 @@ class _Functions:
         if self.robot.platform.closed_forward:
             yield self._forward_all()
             yield self._forward()
+        else:
+            yield self._forward_at_roots()
 
     # -- pieces ---------------------------------------------------------------------------------------------
 
@@ -577,6 +581,31 @@ class _Functions:
             tuple(replace(guard, empties=(ports.count.name,)) for guard in self._assembly_guards()),
         )
 
+    def _forward_at_roots(self) -> RobotFunction:
+        ports = forward_ports(self.robot.space, self.plate.redundant, DEGREE)
+        doubtful = Port("doubtful", (), Unit.NONE, Frame.NONE, "places where there may be further solutions")
+        each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name)
+        guards = [
+            Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
+            *([] if self.planar else [self._flatness_guard()]),
+        ]
+        empties = (ports.count.name, doubtful.name)
+        return self._function(
+            "forward_all",
+            "Every pose of the platform that holds the end points of the sub-legs, with its redundant "
+            "coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but "
+            "coincide they are counted as a doubtful place.",
+            "3.2.1",
+            (self.leg.s, *(() if self.planar else (TURNED,))),
+            (ports.p, ports.orientation, ports.redundant, ports.det_J, ports.count, doubtful),
+            (
+                self._on_leg("platform", "tie"),
+                Call(Stage.PLATFORM, "platform", "sextic", {}, {}),
+                Call(Stage.PLATFORM, "platform", "assembly", {}, {}, each=each),
+            ),
+            tuple(replace(guard, empties=empties) for guard in reversed(guards)),
+        )
+
     def _forward(self) -> RobotFunction:
         subleg = self._subleg_forward()
         ports = forward_ports(self.robot.space, self.plate.redundant, 0)
@@ -602,5 +631,10 @@ class _Functions:
             Guard(radicand, 0, Relation.AT_LEAST, 0.0, Status.NO_ASSEMBLY),
         ]
         if not self.planar:
-            guards.insert(0, Guard("flatness", 0, Relation.AT_LEAST, limit, Status.SINGULAR_NORMAL))
+            guards.insert(0, self._flatness_guard())
         return tuple(guards)
+
+    @staticmethod
+    def _flatness_guard() -> Guard:
+        """Where the end points are collinear they span no plane."""
+        return Guard("flatness", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE**2, Status.SINGULAR_NORMAL)

@@ -100,11 +100,13 @@ class Platform(ABC):
         """det J_a (and det J_n in space) as the closed form in the redundant coordinates, for the proof."""
 
     closed_forward: bool = False
-    """Whether the forward kinematics has a closed form: kernels `tie`, `assembly_modes`, `assembly_mode`."""
+    """Whether the forward kinematics has a closed form, kernels `tie`, `assembly_modes` and `assembly_mode`;
+    else it is a polynomial's roots, kernels `tie`, `sextic` and `assembly`.
+    """
 
+    @abstractmethod
     def forward_kernels(self) -> tuple[Kernel, ...]:
         """Kernels of the forward kinematics: poses from the sub-legs' end points."""
-        return ()
 
     # -- what follows ---------------------------------------------------------------------------------------
 

@@ -10,8 +10,9 @@ from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryType, Kernel, Unit
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms import revolute
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.spatial_a import BETA, FIELDS, revolute_factors
 from krhpr.derivations.terms import Pose, Space
@@ -86,3 +87,9 @@ class PlanarA(Platform):
 
     def closed_form(self, k: KernelWriter, redundant: list[Any], geometry: list[Any]) -> list[Any]:
         return [revolute_factors(redundant, geometry)]
+
+    def forward_kernels(self) -> tuple[Kernel, ...]:
+        ports = self.ports()
+        return revolute.forward_kernels(
+            self.space, self.geometry(), ports.s, ports.redundant, "3.2.1, (3.1) to (3.4)"
+        )

@@ -12,8 +12,9 @@ from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Unit
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms import revolute
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.terms import Joint, JointKind, Pose, Space
@@ -149,3 +150,9 @@ class SpatialA(Platform):
         ]
         area = sum((x[i] * y[(i + 1) % 3] - x[(i + 1) % 3] * y[i] for i in range(3)), sp.Integer(0))
         return [revolute_factors(redundant, geometry), area]
+
+    def forward_kernels(self) -> tuple[Kernel, ...]:
+        ports = self.ports()
+        return revolute.forward_kernels(
+            self.space, self.geometry(), ports.s, ports.redundant, "3.2.1, (3.1) to (3.4)"
+        )

@@ -426,6 +426,29 @@ KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the
+ * real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted
+ * as a doubtful place.  Thesis: 3.2.1.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   out    p (6 x 2, m, base frame): position of O', NaN behind the last
+ *   out    phi (6, rad, base frame): orientation, base from platform, NaN behind the last
+ *   out    redundant (6 x 3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
+ *          link, clockwise from +z', NaN behind the last
+ *   out    det_J (6, mixed, platform frame): det J of each, whose sign tells them apart
+ *   out    count (scalar): number of solutions
+ *   out    doubtful (scalar): places where there may be further solutions
+ */
+KRHPR_API int krhpr_planar_fivebar_a_forward_all(
+    const krhpr_planar_fivebar_a_geometry *g, const double s[6], double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT doubtful);
+/* Batch: in = s (6); out = p (12), phi (6), redundant (18), det_J (6), count (1), doubtful (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_fivebar_a_forward_all_batch(
+    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

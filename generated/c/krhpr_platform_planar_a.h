@@ -286,4 +286,261 @@ static inline void krhpr_platform_planar_a_type_2(
     margins[0] = -det_a / (scale[4] * (scale[2] * (scale[0] * R)));
 }
 
+/* How the leg holds the platform, for the forward kinematics.  (no operations) */
+static inline void krhpr_platform_planar_a_tie(
+    const krhpr_platform_planar_a_geometry *g, double *KRHPR_RESTRICT anchor, double *KRHPR_RESTRICT length)
+{
+    anchor[0] = g->b[0];
+    anchor[1] = g->b[1];
+    *length = g->l_r;
+}
+
+/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
+ * 138 multiply) */
+static inline void krhpr_platform_planar_a_sextic(
+    const double s[6], const double anchor[6], const double length[3], double *KRHPR_RESTRICT points,
+    double *KRHPR_RESTRICT sextic)
+{
+    const double d_2_0 = anchor[2] - anchor[0];
+    const double d_2_1 = anchor[3] - anchor[1];
+    const double d_3_0 = anchor[4] - anchor[0];
+    const double d_3_1 = anchor[5] - anchor[1];
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double c_22 = d_2_0 * s_12_0 + d_2_1 * s_12_1;
+    const double c_23 = d_2_0 * s_13_0 + d_2_1 * s_13_1;
+    const double c_32 = d_3_0 * s_12_0 + d_3_1 * s_12_1;
+    const double c_33 = d_3_0 * s_13_0 + d_3_1 * s_13_1;
+    const double s_22 = d_2_0 * s_12_1 - d_2_1 * s_12_0;
+    const double s_23 = d_2_0 * s_13_1 - d_2_1 * s_13_0;
+    const double s_32 = d_3_0 * s_12_1 - d_3_1 * s_12_0;
+    const double s_33 = d_3_0 * s_13_1 - d_3_1 * s_13_0;
+    const double t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t2 = c_22 * 2.0;
+    const double z2_0 = t1 - t2;
+    const double e2_1 = s_22 * 4.0;
+    const double z2_2 = t1 + t2;
+    const double t3 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double t4 = c_33 * 2.0;
+    const double z3_0 = t3 - t4;
+    const double e3_1 = s_33 * 4.0;
+    const double z3_2 = t3 + t4;
+    const double t5 = length[1] * length[1];
+    const double t6 = length[0] * length[0];
+    const double e2_0 = t5 - z2_0 - t6;
+    const double e2_2 = t5 - z2_2 - t6;
+    const double t7 = length[2] * length[2];
+    const double e3_0 = t7 - z3_0 - t6;
+    const double e3_2 = t7 - z3_2 - t6;
+    const double t8 = d_2_0 * d_3_0;
+    const double t9 = d_2_1 * d_3_1;
+    const double t10 = s_12_0 * s_13_0;
+    const double t11 = s_12_1 * s_13_1;
+    const double w_0 = t8 + t9 + t10 + t11 - c_23 - c_32;
+    const double t12 = s_23 * 2.0 + s_32 * 2.0;
+    const double w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))));
+    const double t13 = d_2_0 * d_3_1;
+    const double t14 = s_12_0 * s_13_1;
+    const double t15 = d_2_1 * d_3_0;
+    const double t16 = s_12_1 * s_13_0;
+    const double D_0 = s_32 + t13 + t14 - s_23 - t15 - t16;
+    const double D_1 = c_23 * 2.0 - c_32 * 2.0;
+    const double D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16;
+    const double e22_0 = e2_0 * e2_0;
+    const double t17 = 2.0 * e2_0;
+    const double e22_1 = e2_1 * t17;
+    const double e22_2 = e2_1 * e2_1 + e2_2 * t17;
+    const double e22_3 = e2_2 * (2.0 * e2_1);
+    const double e22_4 = e2_2 * e2_2;
+    const double e33_0 = e3_0 * e3_0;
+    const double t18 = 2.0 * e3_0;
+    const double e33_1 = e3_1 * t18;
+    const double e33_2 = e3_1 * e3_1 + e3_2 * t18;
+    const double e33_3 = e3_2 * (2.0 * e3_1);
+    const double e33_4 = e3_2 * e3_2;
+    const double e23_0 = e2_0 * e3_0;
+    const double e23_1 = e3_1 * e2_0 + e2_1 * e3_0;
+    const double e23_2 = e2_0 * e3_2 + e2_1 * e3_1 + e2_2 * e3_0;
+    const double e23_3 = e2_1 * e3_2 + e3_1 * e2_2;
+    const double e23_4 = e2_2 * e3_2;
+    const double DD_0 = D_0 * D_0;
+    const double t19 = 2.0 * D_0;
+    const double DD_1 = D_1 * t19;
+    const double DD_2 = D_1 * D_1 + D_2 * t19;
+    const double DD_3 = D_2 * (2.0 * D_1);
+    const double DD_4 = D_2 * D_2;
+    const double t20 = 2.0 * e23_0;
+    const double t21 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t6 * (4.0 * DD_1) + t12 * t20;
+    const double t22 = 2.0 * e23_1;
+    const double t23 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
+    const double t24 = 4.0 * t6;
+    const double t25 = 2.0 * e23_2;
+    const double t26 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
+    const double t27 = 2.0 * e23_3;
+    const double t28 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
+    const double t29 = 2.0 * e23_4;
+    const double t30 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t6 * (4.0 * DD_3) - w_2 * t27;
+    points[0] = 0.0;
+    points[1] = 0.0;
+    points[2] = s_12_0;
+    points[3] = s_12_1;
+    points[4] = s_13_0;
+    points[5] = s_13_1;
+    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t6 * (4.0 * DD_0) - w_0 * t20;
+    sextic[1] = t21 - w_0 * t22;
+    sextic[2] = t23 - t24 * (DD_0 + DD_2) - w_2 * t20 + t12 * t22 - w_0 * t25;
+    sextic[3] = t26 - t24 * (DD_1 + DD_3) - w_2 * t22 + t12 * t25 - w_0 * t27;
+    sextic[4] = t28 - t24 * (DD_2 + DD_4) - w_2 * t25 + t12 * t27 - w_0 * t29;
+    sextic[5] = t30 + t12 * t29;
+    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t6 * (4.0 * DD_4) - w_2 * t29;
+}
+
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9 divide, 2
+ * square root) */
+static inline void krhpr_platform_planar_a_assembly(
+    const double root[2], const double s[6], const double anchor[6], const double length[3],
+    const double points[6], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT miss, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+{
+    const double d_2_0 = anchor[2] - anchor[0];
+    const double d_2_1 = anchor[3] - anchor[1];
+    const double d_3_0 = anchor[4] - anchor[0];
+    const double d_3_1 = anchor[5] - anchor[1];
+    const double t1 = root[0] * root[0];
+    const double t2 = root[1] * root[1];
+    const double xy_2 = 1.0 / (t1 + t2);
+    const double cos_0 = xy_2 * (t2 - t1);
+    const double sin_0 = xy_2 * (root[1] * (root[0] * 2.0));
+    const double t3 = d_2_0 * cos_0;
+    const double t4 = d_2_1 * sin_0;
+    const double z_2_0 = t3 - points[2] - t4;
+    const double t5 = d_2_1 * cos_0;
+    const double t6 = d_2_0 * sin_0;
+    const double t7 = t5 + t6;
+    const double z_2_1 = t7 - points[3];
+    const double t8 = d_3_0 * cos_0;
+    const double t9 = d_3_1 * sin_0;
+    const double z_3_0 = t8 - points[4] - t9;
+    const double t10 = d_3_1 * cos_0;
+    const double t11 = d_3_0 * sin_0;
+    const double t12 = t10 + t11;
+    const double z_3_1 = t12 - points[5];
+    const double t13 = length[1] * length[1];
+    const double t14 = length[0] * length[0];
+    const double e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
+    const double t15 = length[2] * length[2];
+    const double e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
+    const double t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
+    const double a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
+    const double a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
+    const double a_1_1_0 = a_1_0_0 - points[0];
+    const double a_1_1_1 = a_1_0_1 - points[1];
+    const double a_2_1_0 = t3 + a_1_0_0 - points[2] - t4;
+    const double a_2_1_1 = t6 + (t5 + a_1_0_1) - points[3];
+    const double a_3_1_0 = t8 + a_1_0_0 - points[4] - t9;
+    const double a_3_1_1 = t11 + (t10 + a_1_0_1) - points[5];
+    const double t17 = t14 * 0.5;
+    const double f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17;
+    const double t18 = t13 * 0.5;
+    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18;
+    const double t19 = t15 * 0.5;
+    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19;
+    const double g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0;
+    const double g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0;
+    const double lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0;
+    const double lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1;
+    const double lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0;
+    const double t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
+    const double t21 = g_2_1 * t20 - f_2_1;
+    const double t22 = g_3_1 * t20 - f_3_1;
+    const double t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1);
+    const double t24 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
+    const double move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24;
+    const double t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1);
+    const double move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1));
+    const double norm_1 = 1.0 / sqrt(1.0 + t20 * t20);
+    const double cos_1 = norm_1 * (cos_0 + sin_0 * t20);
+    const double sin_1 = norm_1 * (sin_0 - cos_0 * t20);
+    const double a_1_1_on_0 = a_1_0_0 + move_1_0;
+    const double a_1_1_on_1 = a_1_0_1 + move_1_1;
+    const double a_1_2_0 = a_1_1_on_0 - points[0];
+    const double a_1_2_1 = a_1_1_on_1 - points[1];
+    const double t26 = d_2_0 * cos_1;
+    const double t27 = d_2_1 * sin_1;
+    const double a_2_2_0 = a_1_1_on_0 + t26 - points[2] - t27;
+    const double t28 = d_2_1 * cos_1;
+    const double t29 = d_2_0 * sin_1;
+    const double a_2_2_1 = a_1_1_on_1 + t28 + t29 - points[3];
+    const double t30 = d_3_0 * cos_1;
+    const double t31 = d_3_1 * sin_1;
+    const double a_3_2_0 = a_1_1_on_0 + t30 - points[4] - t31;
+    const double t32 = d_3_1 * cos_1;
+    const double t33 = d_3_0 * sin_1;
+    const double a_3_2_1 = a_1_1_on_1 + t32 + t33 - points[5];
+    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17;
+    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18;
+    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19;
+    const double g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29);
+    const double g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33);
+    const double lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0;
+    const double lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1;
+    const double lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0;
+    const double t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
+    const double t35 = g_2_2 * t34 - f_2_2;
+    const double t36 = g_3_2 * t34 - f_3_2;
+    const double t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2);
+    const double t38 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
+    const double move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38;
+    const double t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2);
+    const double move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2));
+    const double norm_2 = 1.0 / sqrt(1.0 + t34 * t34);
+    const double cos_2 = norm_2 * (cos_1 + sin_1 * t34);
+    const double sin_2 = norm_2 * (sin_1 - cos_1 * t34);
+    const double a_1_2_on_0 = a_1_1_on_0 + move_2_0;
+    const double a_1_2_on_1 = a_1_1_on_1 + move_2_1;
+    const double Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2;
+    const double Rd_2_1 = d_2_1 * cos_2 + d_2_0 * sin_2;
+    const double Rd_3_0 = d_3_0 * cos_2 - d_3_1 * sin_2;
+    const double Rd_3_1 = d_3_1 * cos_2 + d_3_0 * sin_2;
+    const double a_1_0 = a_1_2_on_0 - points[0]; /* S_i to B_i */
+    const double a_1_1 = a_1_2_on_1 - points[1];
+    const double a_2_0 = a_1_2_on_0 + Rd_2_0 - points[2];
+    const double a_2_1 = a_1_2_on_1 + Rd_2_1 - points[3];
+    const double a_3_0 = a_1_2_on_0 + Rd_3_0 - points[4];
+    const double a_3_1 = a_1_2_on_1 + Rd_3_1 - points[5];
+    const double p_l_0 = a_1_2_on_0 + anchor[1] * sin_2 - anchor[0] * cos_2;
+    const double p_l_1 = a_1_2_on_1 - anchor[0] * sin_2 - anchor[1] * cos_2;
+    const double u_1_0 = cos_2 * a_1_0 + sin_2 * a_1_1; /* in the platform frame */
+    const double u_1_1 = cos_2 * a_1_1 - sin_2 * a_1_0;
+    const double u_2_0 = cos_2 * a_2_0 + sin_2 * a_2_1;
+    const double u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0;
+    const double u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1;
+    const double u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0;
+    const double t40 = anchor[1] * u_1_0;
+    const double t41 = anchor[0] * u_1_1;
+    const double t42 = anchor[3] * u_2_0;
+    const double t43 = anchor[2] * u_2_1;
+    const double t44 = anchor[5] * u_3_0;
+    const double t45 = anchor[4] * u_3_1;
+    const double t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
+    const double t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
+    const double t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
+    const double t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
+    const double t50 = t15 + (t13 + t14);
+    p[0] = s[0] + p_l_0;
+    p[1] = s[1] + p_l_1;
+    *det_J = t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0);
+    miss[0] = (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50);
+    tail_y[0] = sin_2;
+    tail_y[1] = t40 - t41;
+    tail_y[2] = t42 - t43;
+    tail_y[3] = t44 - t45;
+    tail_x[0] = cos_2;
+    tail_x[1] = anchor[0] * u_1_0 + anchor[1] * u_1_1;
+    tail_x[2] = anchor[2] * u_2_0 + anchor[3] * u_2_1;
+    tail_x[3] = anchor[4] * u_3_0 + anchor[5] * u_3_1;
+}
+
 #endif

@@ -6,6 +6,7 @@
 #include "krhpr_spatial_prr_a.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_roots.h"
 
 static const double mode_default[3] = {-1.0, -1.0, -1.0};
 
@@ -1004,6 +1005,119 @@ KRHPR_API int krhpr_spatial_prr_a_type_2_of_redundant_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_a_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_spatial_prr_a_forward_all(
+    const krhpr_spatial_prr_a_geometry *g, const double s[9], double turned, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT doubtful)
+{
+    int status = KRHPR_OK;
+    double anchor[6];
+    double length[3];
+    double flatness[1];
+    double points[6];
+    double axes[9];
+    double sextic[7];
+    double miss[1];
+    double found[1];
+    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+        krhpr_fill_nan(p, 18);
+        krhpr_fill_nan(Q, 54);
+        krhpr_fill_nan(redundant, 18);
+        krhpr_fill_nan(det_J, 6);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(doubtful, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+    }
+    krhpr_platform_spatial_a_sextic(s, anchor, length, turned, flatness, points, axes, sextic);
+    {
+        double root_x[6];
+        double root_y[6];
+        int in_doubt = 0;
+        int kept = 0;
+        const int roots = krhpr_real_roots(6, sextic, 1e-14, root_x, root_y, &in_doubt);
+        for (int k = 0; k < roots; ++k) {
+            const double root[2] = {root_x[k], root_y[k]};
+            double miss[1];
+            double p_at[3];
+            double Q_at[9];
+            double redundant_at[3];
+            double det_J_at[1];
+            double root_tail_y[KRHPR_PADDED(3)] = {0.0};
+            double root_tail_x[KRHPR_PADDED(3)] = {0.0};
+            double root_tail[KRHPR_PADDED(3)];
+            krhpr_platform_spatial_a_assembly(
+                root, s, anchor, length, points, axes, p_at, Q_at, det_J_at, miss, root_tail_y, root_tail_x);
+            if (!(miss[0] <= 1e-18)) {
+                continue;
+            }
+            krhpr_atan2_array(3, root_tail_y, root_tail_x, root_tail);
+            redundant_at[0] = root_tail[0];
+            redundant_at[1] = root_tail[1];
+            redundant_at[2] = root_tail[2];
+            int place = kept;
+            for (; place > 0 && det_J[place - 1] > det_J_at[0]; --place) {
+                krhpr_copy(p + 3 * place, p + 3 * (place - 1), 3);
+                krhpr_copy(Q + 9 * place, Q + 9 * (place - 1), 9);
+                krhpr_copy(redundant + 3 * place, redundant + 3 * (place - 1), 3);
+                krhpr_copy(det_J + 1 * place, det_J + 1 * (place - 1), 1);
+            }
+            krhpr_copy(p + 3 * place, p_at, 3);
+            krhpr_copy(Q + 9 * place, Q_at, 9);
+            krhpr_copy(redundant + 3 * place, redundant_at, 3);
+            krhpr_copy(det_J + 1 * place, det_J_at, 1);
+            ++kept;
+        }
+        krhpr_fill_nan(p + 3 * kept, 3 * (6 - kept));
+        krhpr_fill_nan(Q + 9 * kept, 9 * (6 - kept));
+        krhpr_fill_nan(redundant + 3 * kept, 3 * (6 - kept));
+        krhpr_fill_nan(det_J + 1 * kept, 1 * (6 - kept));
+        if (roots > kept) {
+            in_doubt += roots - kept; /* every simple root is a solution: this one was not found well enough */
+        }
+        *count = (double)kept;
+        *doubtful = (double)in_doubt;
+        found[0] = (double)(kept + in_doubt);
+    }
+    if (!(flatness[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(found[0] >= 1.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 18);
+        krhpr_fill_nan(Q, 54);
+        krhpr_fill_nan(redundant, 18);
+        krhpr_fill_nan(det_J, 6);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(doubtful, 1);
+        *count = 0.0;
+        *doubtful = 0.0;
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_prr_a_forward_all_batch(
+    const krhpr_spatial_prr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_prr_a_forward_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4], out[5] + k * out_step[5]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

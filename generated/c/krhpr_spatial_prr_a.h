@@ -430,6 +430,31 @@ KRHPR_API int krhpr_spatial_prr_a_type_2_of_redundant_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the
+ * real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted
+ * as a doubtful place.  Thesis: 3.2.1.
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     turned (scalar): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its
+ *          legs, -1 for the one turned over
+ *   out    p (6 x 3, m, base frame): position of O', NaN behind the last
+ *   out    Q (6 x 3 x 3, base frame): orientation, base from platform, NaN behind the last
+ *   out    redundant (6 x 3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
+ *          link, clockwise from +z', NaN behind the last
+ *   out    det_J (6, mixed, platform frame): det J of each, whose sign tells them apart
+ *   out    count (scalar): number of solutions
+ *   out    doubtful (scalar): places where there may be further solutions
+ */
+KRHPR_API int krhpr_spatial_prr_a_forward_all(
+    const krhpr_spatial_prr_a_geometry *g, const double s[9], double turned, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT doubtful);
+/* Batch: in = s (9), turned (1); out = p (18), Q (54), redundant (18), det_J (6), count (1), doubtful (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_prr_a_forward_all_batch(
+    const krhpr_spatial_prr_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

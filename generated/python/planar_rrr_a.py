@@ -31,6 +31,7 @@ __all__ = [
     "Status",
     "constraints",
     "end_points",
+    "forward_all",
     "inverse",
     "inverse_all",
     "inverse_near",
@@ -484,6 +485,23 @@ SIGNATURES = {
         ),
         "(3)->(1),(1),()",
     ),
+    "forward_all": rt.Signature(
+        "forward_all",
+        "Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted as a doubtful place.",
+        "3.2.1",
+        (
+            rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+        ),
+        (
+            rt.Port("p", (6, 2), "m", "base", "position of O', NaN behind the last", "shared", ()),
+            rt.Port("phi", (6,), "rad", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
+            rt.Port("redundant", (6, 3), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z', NaN behind the last", "shared", ()),
+            rt.Port("det_J", (6,), "mixed", "platform", "det J of each, whose sign tells them apart", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("doubtful", (), "1", "-", "places where there may be further solutions", "shared", ()),
+        ),
+        "(3,2)->(6,2),(6),(6,3),(6),(),(),()",
+    ),
 }
 
 
@@ -529,6 +547,17 @@ class Type2OfRedundant(NamedTuple):
 
     type_2: Any
     margins: Any
+
+
+class ForwardAll(NamedTuple):
+    """Results of `forward_all`."""
+
+    p: Any
+    phi: Any
+    redundant: Any
+    det_J: Any
+    count: Any
+    doubtful: Any
 
 
 @lru_cache(maxsize=64)
@@ -1321,4 +1350,51 @@ def type_2_of_redundant(
             },
         )
     answer = Type2OfRedundant(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_all(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Every pose of the platform that holds the end points of the sub-legs, with its redundant
+    coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but
+    coincide they are counted as a doubtful place.
+
+    Thesis: 3.2.1.
+
+    Args:
+        s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 6, 2) [m] in the base frame: position of O', NaN behind the last
+        phi (..., 6) [rad] in the base frame: orientation, base from platform, NaN behind the
+            last
+        redundant (..., 6, 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
+            link, clockwise from +z', NaN behind the last
+        det_J (..., 6) [mixed] in the platform frame: det J of each, whose sign tells them apart
+        count (...): number of solutions
+        doubtful (...): places where there may be further solutions
+    """
+    arguments = rt.Arguments(SIGNATURES["forward_all"], (s,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        anchor, length = platform.tie(g.platform)
+        points, sextic = platform.sextic(arguments.whole("s"), rt.legs(anchor), rt.legs(length))
+        p, phi, redundant, det_J, count, doubtful, found = rt.at_roots(
+            lambda root: platform.assembly(root, arguments.whole("s"), rt.legs(anchor), rt.legs(length), points),
+            sextic, 1e-14, 1e-18, 3)
+        results = arguments.finish(
+            {
+                "p": p,
+                "phi": phi,
+                "redundant": redundant,
+                "det_J": det_J,
+                "count": count,
+                "doubtful": doubtful,
+            },
+            (
+                rt.Guard(found[0], True, 1.0, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", "det_J", ), ("count", "doubtful", )),
+            ),
+        )
+    answer = ForwardAll(*results[:-1])
     return (answer, results[-1]) if status else answer

@@ -336,3 +336,279 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
             -det_a / (scale_20 * (scale_10 * (scale_00 * R))),
         ),
     )
+
+
+def tie(g: Any) -> tuple[Any, ...]:
+    """How the leg holds the platform, for the forward kinematics.  (no operations)"""
+    return (
+        (  # anchor
+            g.b[0],
+            g.b[1],
+        ),
+        (  # length
+            g.l_r,
+        ),
+    )
+
+
+def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
+    """The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).
+    (111 add, 138 multiply)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    c_22 = d_2_0 * s_12_0 + d_2_1 * s_12_1
+    c_23 = d_2_0 * s_13_0 + d_2_1 * s_13_1
+    c_32 = d_3_0 * s_12_0 + d_3_1 * s_12_1
+    c_33 = d_3_0 * s_13_0 + d_3_1 * s_13_1
+    s_22 = d_2_0 * s_12_1 - d_2_1 * s_12_0
+    s_23 = d_2_0 * s_13_1 - d_2_1 * s_13_0
+    s_32 = d_3_0 * s_12_1 - d_3_1 * s_12_0
+    s_33 = d_3_0 * s_13_1 - d_3_1 * s_13_0
+    t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + s_12_0 * s_12_0 + s_12_1 * s_12_1
+    t2 = c_22 * 2
+    z2_0 = t1 - t2
+    e2_1 = s_22 * 4
+    z2_2 = t1 + t2
+    t3 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1
+    t4 = c_33 * 2
+    z3_0 = t3 - t4
+    e3_1 = s_33 * 4
+    z3_2 = t3 + t4
+    t5 = length_1 * length_1
+    t6 = length_0 * length_0
+    e2_0 = t5 - z2_0 - t6
+    e2_2 = t5 - z2_2 - t6
+    t7 = length_2 * length_2
+    e3_0 = t7 - z3_0 - t6
+    e3_2 = t7 - z3_2 - t6
+    t8 = d_2_0 * d_3_0
+    t9 = d_2_1 * d_3_1
+    t10 = s_12_0 * s_13_0
+    t11 = s_12_1 * s_13_1
+    w_0 = t8 + t9 + t10 + t11 - c_23 - c_32
+    t12 = s_23 * 2 + s_32 * 2
+    w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))))
+    t13 = d_2_0 * d_3_1
+    t14 = s_12_0 * s_13_1
+    t15 = d_2_1 * d_3_0
+    t16 = s_12_1 * s_13_0
+    D_0 = s_32 + t13 + t14 - s_23 - t15 - t16
+    D_1 = c_23 * 2 - c_32 * 2
+    D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16
+    e22_0 = e2_0 * e2_0
+    t17 = 2 * e2_0
+    e22_1 = e2_1 * t17
+    e22_2 = e2_1 * e2_1 + e2_2 * t17
+    e22_3 = e2_2 * (2 * e2_1)
+    e22_4 = e2_2 * e2_2
+    e33_0 = e3_0 * e3_0
+    t18 = 2 * e3_0
+    e33_1 = e3_1 * t18
+    e33_2 = e3_1 * e3_1 + e3_2 * t18
+    e33_3 = e3_2 * (2 * e3_1)
+    e33_4 = e3_2 * e3_2
+    e23_0 = e2_0 * e3_0
+    e23_1 = e3_1 * e2_0 + e2_1 * e3_0
+    e23_2 = e2_0 * e3_2 + e2_1 * e3_1 + e2_2 * e3_0
+    e23_3 = e2_1 * e3_2 + e3_1 * e2_2
+    e23_4 = e2_2 * e3_2
+    DD_0 = D_0 * D_0
+    t19 = 2 * D_0
+    DD_1 = D_1 * t19
+    DD_2 = D_1 * D_1 + D_2 * t19
+    DD_3 = D_2 * (2 * D_1)
+    DD_4 = D_2 * D_2
+    t20 = 2 * e23_0
+    t21 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t6 * (4 * DD_1) + t12 * t20
+    t22 = 2 * e23_1
+    t23 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2
+    t24 = 4 * t6
+    t25 = 2 * e23_2
+    t26 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3
+    t27 = 2 * e23_3
+    t28 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4
+    t29 = 2 * e23_4
+    t30 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t6 * (4 * DD_3) - w_2 * t27
+    return (
+        (  # points
+            0,
+            0,
+            s_12_0,
+            s_12_1,
+            s_13_0,
+            s_13_1,
+        ),
+        (  # sextic
+            z3_0 * e22_0 + z2_0 * e33_0 - t6 * (4 * DD_0) - w_0 * t20,
+            t21 - w_0 * t22,
+            t23 - t24 * (DD_0 + DD_2) - w_2 * t20 + t12 * t22 - w_0 * t25,
+            t26 - t24 * (DD_1 + DD_3) - w_2 * t22 + t12 * t25 - w_0 * t27,
+            t28 - t24 * (DD_2 + DD_4) - w_2 * t25 + t12 * t27 - w_0 * t29,
+            t30 + t12 * t29,
+            z3_2 * e22_4 + z2_2 * e33_4 - t6 * (4 * DD_4) - w_2 * t29,
+        ),
+    )
+
+
+def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
+    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9
+    divide, 2 square root, 4 arctangent)"""
+    root_0, root_1 = root
+    s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    t1 = root_0 * root_0
+    t2 = root_1 * root_1
+    xy_2 = 1 / (t1 + t2)
+    cos_0 = xy_2 * (t2 - t1)
+    sin_0 = xy_2 * (root_1 * (root_0 * 2))
+    t3 = d_2_0 * cos_0
+    t4 = d_2_1 * sin_0
+    z_2_0 = t3 - points_10 - t4
+    t5 = d_2_1 * cos_0
+    t6 = d_2_0 * sin_0
+    t7 = t5 + t6
+    z_2_1 = t7 - points_11
+    t8 = d_3_0 * cos_0
+    t9 = d_3_1 * sin_0
+    z_3_0 = t8 - points_20 - t9
+    t10 = d_3_1 * cos_0
+    t11 = d_3_0 * sin_0
+    t12 = t10 + t11
+    z_3_1 = t12 - points_21
+    t13 = length_1 * length_1
+    t14 = length_0 * length_0
+    e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1
+    t15 = length_2 * length_2
+    e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1
+    t16 = 1 / (z_3_1 * (2 * z_2_0) - z_3_0 * (2 * z_2_1))
+    a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16
+    a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2)
+    a_1_1_0 = a_1_0_0 - points_00
+    a_1_1_1 = a_1_0_1 - points_01
+    a_2_1_0 = t3 + a_1_0_0 - points_10 - t4
+    a_2_1_1 = t6 + (t5 + a_1_0_1) - points_11
+    a_3_1_0 = t8 + a_1_0_0 - points_20 - t9
+    a_3_1_1 = t11 + (t10 + a_1_0_1) - points_21
+    t17 = t14 * 0.5
+    f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17
+    t18 = t13 * 0.5
+    f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18
+    t19 = t15 * 0.5
+    f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19
+    g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0
+    g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0
+    lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0
+    lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1
+    lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0
+    t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1)
+    t21 = g_2_1 * t20 - f_2_1
+    t22 = g_3_1 * t20 - f_3_1
+    t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1)
+    t24 = 1 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1)
+    move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24
+    t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1)
+    move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1))
+    norm_1 = 1 / np.sqrt(1 + t20 * t20)
+    cos_1 = norm_1 * (cos_0 + sin_0 * t20)
+    sin_1 = norm_1 * (sin_0 - cos_0 * t20)
+    a_1_1_on_0 = a_1_0_0 + move_1_0
+    a_1_1_on_1 = a_1_0_1 + move_1_1
+    a_1_2_0 = a_1_1_on_0 - points_00
+    a_1_2_1 = a_1_1_on_1 - points_01
+    t26 = d_2_0 * cos_1
+    t27 = d_2_1 * sin_1
+    a_2_2_0 = a_1_1_on_0 + t26 - points_10 - t27
+    t28 = d_2_1 * cos_1
+    t29 = d_2_0 * sin_1
+    a_2_2_1 = a_1_1_on_1 + t28 + t29 - points_11
+    t30 = d_3_0 * cos_1
+    t31 = d_3_1 * sin_1
+    a_3_2_0 = a_1_1_on_0 + t30 - points_20 - t31
+    t32 = d_3_1 * cos_1
+    t33 = d_3_0 * sin_1
+    a_3_2_1 = a_1_1_on_1 + t32 + t33 - points_21
+    f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17
+    f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18
+    f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19
+    g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29)
+    g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33)
+    lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0
+    lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1
+    lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0
+    t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2)
+    t35 = g_2_2 * t34 - f_2_2
+    t36 = g_3_2 * t34 - f_3_2
+    t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2)
+    t38 = 1 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2)
+    move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38
+    t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2)
+    move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2))
+    norm_2 = 1 / np.sqrt(1 + t34 * t34)
+    cos_2 = norm_2 * (cos_1 + sin_1 * t34)
+    sin_2 = norm_2 * (sin_1 - cos_1 * t34)
+    a_1_2_on_0 = a_1_1_on_0 + move_2_0
+    a_1_2_on_1 = a_1_1_on_1 + move_2_1
+    Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2
+    Rd_2_1 = d_2_1 * cos_2 + d_2_0 * sin_2
+    Rd_3_0 = d_3_0 * cos_2 - d_3_1 * sin_2
+    Rd_3_1 = d_3_1 * cos_2 + d_3_0 * sin_2
+    a_1_0 = a_1_2_on_0 - points_00  # S_i to B_i
+    a_1_1 = a_1_2_on_1 - points_01
+    a_2_0 = a_1_2_on_0 + Rd_2_0 - points_10
+    a_2_1 = a_1_2_on_1 + Rd_2_1 - points_11
+    a_3_0 = a_1_2_on_0 + Rd_3_0 - points_20
+    a_3_1 = a_1_2_on_1 + Rd_3_1 - points_21
+    p_l_0 = a_1_2_on_0 + anchor_01 * sin_2 - anchor_00 * cos_2
+    p_l_1 = a_1_2_on_1 - anchor_00 * sin_2 - anchor_01 * cos_2
+    u_1_0 = cos_2 * a_1_0 + sin_2 * a_1_1  # in the platform frame
+    u_1_1 = cos_2 * a_1_1 - sin_2 * a_1_0
+    u_2_0 = cos_2 * a_2_0 + sin_2 * a_2_1
+    u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0
+    u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1
+    u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0
+    t40 = anchor_01 * u_1_0
+    t41 = anchor_00 * u_1_1
+    t42 = anchor_11 * u_2_0
+    t43 = anchor_10 * u_2_1
+    t44 = anchor_21 * u_3_0
+    t45 = anchor_20 * u_3_1
+    t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1)
+    t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14
+    t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13
+    t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15
+    t50 = t15 + (t13 + t14)
+    return (
+        (  # p
+            s_00 + p_l_0,
+            s_01 + p_l_1,
+        ),
+        (  # phi
+            np.arctan2(sin_2, cos_2),
+        ),
+        (  # redundant
+            np.arctan2(t40 - t41, anchor_00 * u_1_0 + anchor_01 * u_1_1),
+            np.arctan2(t42 - t43, anchor_10 * u_2_0 + anchor_11 * u_2_1),
+            np.arctan2(t44 - t45, anchor_20 * u_3_0 + anchor_21 * u_3_1),
+        ),
+        (  # det_J
+            t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0),
+        ),
+        (  # miss
+            (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50),
+        ),
+    )

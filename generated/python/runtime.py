@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .roots import real_roots
+
 LEGS = 3
 
 
@@ -228,6 +230,35 @@ def repeat(step: Callable[[Any], Any], start: Any, tolerance: float, limit: int)
         state = tuple(np.where(goes_on, new, old) for new, old in zip(after, state, strict=True))
         change = np.where(goes_on, moved, change)
     return state, (change,)
+
+
+def at_roots(
+    step: Callable[[Any], Any], polynomial: tuple[Any, ...], error: float, tolerance: float, order: int
+) -> tuple[Any, ...]:
+    """What `step` (root -> components of results, the last one by how much the root misses) gives at every real root.
+
+    Solutions are those that miss by at most the tolerance, in the order of the result number `order`.  Returns each
+    result's components, solution by solution and NaN behind the last, then how many solutions there are, how many
+    places are in doubt, and both together.
+    """
+    degree = len(polynomial) - 1
+    found = real_roots(np.stack(np.broadcast_arrays(*polynomial), axis=-1), error)
+    rows = []
+    for k in range(degree):
+        results = step((found.x[..., k], found.y[..., k]))
+        rows.append([np.stack(np.broadcast_arrays(*parts), axis=-1) for parts in results])
+    *results, miss = (np.stack(parts, axis=-2) for parts in zip(*rows, strict=True))
+    kept = miss[..., 0] <= tolerance
+    place = np.argsort(np.where(kept, results[order][..., 0], np.inf), axis=-1, kind="stable")
+    components = []
+    for result in results:
+        ordered = np.take_along_axis(np.where(kept[..., None], result, np.nan), place[..., None], axis=-2)
+        flat = ordered.reshape((*ordered.shape[:-2], -1))
+        components.append(tuple(np.moveaxis(flat, -1, 0)))
+    count = kept.sum(axis=-1).astype(float)
+    # every simple root is a solution: one that misses was not found well enough
+    doubtful = found.doubtful + np.maximum(found.count - count, 0.0)
+    return (*components, (count,), (doubtful,), (count + doubtful,))
 
 
 def nearest(found: Any, wanted: Any, is_angle: Sequence[bool]) -> Any:

@@ -32,6 +32,7 @@ __all__ = [
     "Status",
     "constraints",
     "end_points",
+    "forward_all",
     "inverse",
     "inverse_all",
     "inverse_near",
@@ -500,6 +501,24 @@ SIGNATURES = {
         ),
         "(3)->(2),(2),()",
     ),
+    "forward_all": rt.Signature(
+        "forward_all",
+        "Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted as a doubtful place.",
+        "3.2.1",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("turned", (), "1", "-", "+1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its legs, -1 for the one turned over", "shared", ()),
+        ),
+        (
+            rt.Port("p", (6, 3), "m", "base", "position of O', NaN behind the last", "shared", ()),
+            rt.Port("Q", (6, 3, 3), "1", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
+            rt.Port("redundant", (6, 3), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z', NaN behind the last", "shared", ()),
+            rt.Port("det_J", (6,), "mixed", "platform", "det J of each, whose sign tells them apart", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("doubtful", (), "1", "-", "places where there may be further solutions", "shared", ()),
+        ),
+        "(3,3),()->(6,3),(6,3,3),(6,3),(6),(),(),()",
+    ),
 }
 
 
@@ -546,6 +565,17 @@ class Type2OfRedundant(NamedTuple):
 
     type_2: Any
     margins: Any
+
+
+class ForwardAll(NamedTuple):
+    """Results of `forward_all`."""
+
+    p: Any
+    Q: Any
+    redundant: Any
+    det_J: Any
+    count: Any
+    doubtful: Any
 
 
 @lru_cache(maxsize=64)
@@ -1315,4 +1345,57 @@ def type_2_of_redundant(
             },
         )
     answer = Type2OfRedundant(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_all(
+    s: Any, turned: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Every pose of the platform that holds the end points of the sub-legs, with its redundant
+    coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but
+    coincide they are counted as a doubtful place.
+
+    Thesis: 3.2.1.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
+            its legs, -1 for the one turned over, the default unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 6, 3) [m] in the base frame: position of O', NaN behind the last
+        Q (..., 6, 3, 3) in the base frame: orientation, base from platform, NaN behind the last
+        redundant (..., 6, 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
+            link, clockwise from +z', NaN behind the last
+        det_J (..., 6) [mixed] in the platform frame: det J of each, whose sign tells them apart
+        count (...): number of solutions
+        doubtful (...): places where there may be further solutions
+    """
+    if turned is None:
+        turned = 1.0
+    arguments = rt.Arguments(SIGNATURES["forward_all"], (s, turned,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        anchor, length = platform.tie(g.platform)
+        flatness, points, axes, sextic = platform.sextic(
+            arguments.whole("s"), rt.legs(anchor), rt.legs(length), arguments.whole("turned"))
+        p, Q, redundant, det_J, count, doubtful, found = rt.at_roots(
+            lambda root: platform.assembly(root, arguments.whole("s"), rt.legs(anchor), rt.legs(length), points, axes),
+            sextic, 1e-14, 1e-18, 3)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "redundant": redundant,
+                "det_J": det_J,
+                "count": count,
+                "doubtful": doubtful,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "det_J", ), ("count", "doubtful", )),
+                rt.Guard(found[0], True, 1.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", "doubtful", )),
+            ),
+        )
+    answer = ForwardAll(*results[:-1])
     return (answer, results[-1]) if status else answer

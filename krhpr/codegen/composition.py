@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 
 from krhpr.codegen.graph import OperationCount
-from krhpr.codegen.kernel import LEGS, Kernel, Port
+from krhpr.codegen.kernel import LEGS, Frame, Kernel, Port, Unit
 from krhpr.codegen.passes import Part
 from krhpr.limits import Limits
 
@@ -92,11 +92,36 @@ class Repeat:
 
 
 @dataclass(frozen=True)
+class EachRoot:
+    """A kernel of the whole platform called at every real root of a polynomial: a procedure.
+
+    `polynomial` is the variable with its coefficients, the constant one first; the kernel's input port
+    `root` is a root as a point, and its output port `miss` at most `tolerance` where the root is a solution
+    (it is in doubt otherwise). What the other output ports give is collected along the first axis of the
+    function's outputs, sorted by the one called `order`, NaN behind the last.
+    """
+
+    polynomial: str
+    degree: int
+    error: float
+    """How uncertain the coefficients are, relative to the sum of their sizes."""
+    tolerance: float
+    order: str
+    root: str = "root"
+    miss: str = "miss"
+    count: str = "count"
+    doubtful: str = "doubtful"
+    found: str = "found"
+    """The variable with the number of solutions and doubtful places together."""
+
+
+@dataclass(frozen=True)
 class Call:
     """One kernel of a part, with the robot's variables bound to its ports.
 
     `inputs` names the variable for each input port that is not called like its variable; `outputs` likewise.
-    With `repeat` it is an iteration of a leg's kernel.
+    With `repeat` it is an iteration of a leg's kernel, with `each` it is called at every root of a
+    polynomial.
     """
 
     stage: Stage
@@ -105,8 +130,11 @@ class Call:
     inputs: Mapping[str, str]
     outputs: Mapping[str, str]
     repeat: Repeat | None = None
+    each: EachRoot | None = None
 
     def __post_init__(self) -> None:
+        if self.each is not None and self.stage is not Stage.PLATFORM:
+            raise ValueError(f"{self.part}.{self.kernel}: only kernels of the platform are called at roots")
         if self.repeat is not None and self.stage is not Stage.LEG:
             raise ValueError(f"{self.part}.{self.kernel}: only kernels of a leg are repeated")
 
@@ -171,7 +199,12 @@ class RobotFunction:
     @property
     def procedure(self) -> bool:
         """Whether it loops or chooses: it is then no straight line of kernels, and has no CasADi form."""
-        return not self.calls or any(call.repeat is not None for call in self.calls)
+        return not self.calls or any(call.repeat is not None or call.each is not None for call in self.calls)
+
+    @property
+    def each(self) -> EachRoot | None:
+        """The polynomial at whose roots its last kernel is called, if it has one."""
+        return self.calls[-1].each if self.calls else None
 
     def stage(self, stage: Stage) -> tuple[Call, ...]:
         """The calls of one stage, in order."""
@@ -182,6 +215,8 @@ class RobotFunction:
         found = {port.name for port in self.outputs}
         for call in self.calls:
             found |= {call.variable_in(port.name) for port in parts[call.part].kernel(call.kernel).inputs}
+            if call.each is not None:
+                found.add(call.each.polynomial)
         return found | ({guard.variable for guard in self.guards} if guards else set())
 
     def uses_geometry(self, parts: Mapping[str, Part]) -> bool:
@@ -220,6 +255,8 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
     for call in function.calls:
         kernel = parts[call.part].kernel(call.kernel)
         for port in kernel.inputs:
+            if call.each is not None and port.name == call.each.root:
+                continue
             if call.variable_in(port.name) not in found:
                 wanted = call.variable_in(port.name)
                 raise ValueError(
@@ -229,6 +266,11 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
             name = call.variable_out(port.name)
             kind = "output" if name in outputs else "local"
             found[name] = Variable(name, outputs.get(name, port), call.stage is Stage.LEG, kind)
+        if call.each is not None:
+            for name in (call.each.count, call.each.doubtful):
+                found[name] = Variable(name, outputs[name], False, "output")
+            number = Port(call.each.found, (1,), Unit.NONE, Frame.NONE, "solutions and doubtful places")
+            found[number.name] = Variable(number.name, number, False, "local")
     for name in outputs:
         if name not in found:
             raise ValueError(f"{function.name}: nothing computes the output {name!r}")
@@ -297,19 +339,23 @@ class RobotCode:
         raise KeyError(f"{self.identifier} has no function {name!r}")
 
     def operations(self, function: RobotFunction) -> OperationCount:
-        """Operations of one call: leg kernels count three times."""
+        """Operations of one call: leg kernels count three times, those at roots as often as there can be."""
         total = OperationCount()
         for call in function.calls:
-            times = LEGS if call.stage is Stage.LEG else 1
+            times = _times(call)
             total = total + self.parts[call.part].kernel(call.kernel).operations * times
         return total
 
     def written(self, function: RobotFunction) -> int:
         """Operations of one call as the formulas were written."""
-        return sum(
-            self.parts[call.part].written[call.kernel] * (LEGS if call.stage is Stage.LEG else 1)
-            for call in function.calls
-        )
+        return sum(self.parts[call.part].written[call.kernel] * _times(call) for call in function.calls)
+
+
+def _times(call: Call) -> int:
+    """How often a kernel is called, at most for roots."""
+    if call.each is not None:
+        return call.each.degree
+    return LEGS if call.stage is Stage.LEG else 1
 
 
 def kernels_used(functions: tuple[RobotFunction, ...], parts: Mapping[str, Part]) -> dict[str, list[Kernel]]:

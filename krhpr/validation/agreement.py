@@ -51,6 +51,8 @@ def _blame(
 ) -> str:
     """Where two targets differ, and how far each is from the derivation."""
     text = f"{name} at sample {index} (seed {check.seed})"
+    if function.each is not None:
+        return text
     truth = true_values(batch, function, index)
     port = next(port for port in function.outputs if port.name == name)
     for which, label in zip(pair, (check.target, Target.NUMPY), strict=True):

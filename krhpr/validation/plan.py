@@ -119,8 +119,9 @@ def _proofs(robot: RobotCode) -> Iterator[Check]:
                 also = tuple(f"{key}.{name}" for name in proof.also if name in known)
                 yield _proof(robot, proof, f"{key}.{proof.kernel}", also, part.name)
     functions = {function.name for function in robot.functions}
+    kernels = {f"{key}.{kernel.name}" for key, part in robot.parts.items() for kernel in part.kernels}
     for proof in ROBOT_PROOFS:
-        if proof.kernel not in functions:
+        if proof.kernel not in functions or (proof.needs and proof.needs not in kernels):
             continue
         yield _proof(robot, proof, proof.kernel, proof.also, "")
 
@@ -162,6 +163,8 @@ def _passes(robot: RobotCode) -> Iterator[Check]:
 
 def _identity(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
+        if function.each is not None:
+            continue  # its kernels' texts are checked one by one, and what it finds against what is known
         balls = needs_balls(robot, function)
         for target in PRINTED:
             if target is Target.CASADI and function.procedure:
@@ -234,6 +237,8 @@ def _agreement(robot: RobotCode) -> Iterator[Check]:
 
 def _digits(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
+        if function.each is not None:
+            continue
         for target in PRINTED:
             if target is not Target.CASADI or not function.procedure:
                 yield Check(

@@ -30,9 +30,10 @@ def difference(port: Port, found: Any, wanted: Any, *, arcs: bool = True) -> Flo
 
 def scale(port: Port, values: Any) -> Floats:
     """The scale of a batch of values (count, *port), broadcast against it."""
-    size = np.abs(np.asarray(values, dtype=float))
+    size = np.nan_to_num(np.abs(np.asarray(values, dtype=float)), nan=0.0)  # solutions that are not there
     core = tuple(range(size.ndim - len(port.full_shape), size.ndim))
-    mixed = port.unit is Unit.MIXED and port.layout is Layout.SHARED and len(core) == 1
+    kinds = port.unit is Unit.MIXED and bool(port.labels)
+    mixed = kinds and port.layout is Layout.SHARED and len(core) == 1
     largest: Floats = size if mixed or not core else size.max(axis=core, keepdims=True)
     if port.unit in _ANGLES:
         largest = np.maximum(largest, 1.0)

@@ -9,6 +9,7 @@ from krhpr.codegen.composition import (
     LEG_STATUSES,
     OPTIONAL_INPUTS,
     Call,
+    EachRoot,
     Guard,
     Relation,
     Repeat,
@@ -65,6 +66,7 @@ class FunctionView:
     tail_stores: tuple[tuple[str, str], ...]
     platform_tail_stores: tuple[tuple[str, str], ...]
     platform_calls: tuple[str, ...]
+    at_roots: AtRoots | None
     leg_guards: tuple[GuardView, ...]
     platform_guards: tuple[GuardView, ...]
     batch_arguments: tuple[str, ...]
@@ -93,6 +95,27 @@ class Iteration:
     limit: int
     angle_call: str
     angle_count: int
+
+
+@dataclass(frozen=True)
+class AtRoots:
+    """A kernel called at every root of a polynomial: its call, what is collected, and its arctangents."""
+
+    call: str
+    polynomial: str
+    degree: int
+    error: str
+    root: str
+    miss: str
+    tolerance: str
+    order: str
+    count: str
+    doubtful: str
+    found: str
+    rows: tuple[tuple[str, int], ...]
+    """Outputs and the elements of one solution."""
+    tail_count: int
+    tail_stores: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -192,6 +215,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         tail_stores=tuple(plan.tail_stores),
         platform_tail_stores=tuple(plan.platform_tail_stores),
         platform_calls=tuple(plan.calls[Stage.PLATFORM]),
+        at_roots=plan.at_roots,
         leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
         platform_guards=tuple(
             _platform_guard(guard, function) for guard in function.guards if guard not in leg_guards
@@ -228,6 +252,7 @@ class _Plan:
         self.platform_tail_stores: list[tuple[str, str]] = []
         self.calls: dict[Stage, list[str]] = {stage: [] for stage in Stage}
         self.leg_calls: list[LegCall] = []
+        self.at_roots: AtRoots | None = None
         self._offsets: dict[str, str] = {}
         for call in function.calls:
             self._add(call)
@@ -237,6 +262,9 @@ class _Plan:
         phases = split(part.kernel(call.kernel))
         if call.repeat is not None:
             self._iterate(call, call.repeat, part, phases)
+            return
+        if call.each is not None:
+            self.at_roots = self._at_roots(call, call.each, part, phases)
             return
         special = self._angles(call, part, phases)
         special |= self._tails(call, phases)
@@ -269,6 +297,38 @@ class _Plan:
             angle_count=count,
         )
         self.leg_calls.append(LegCall(self._text(call, part, phases.body, special, indent=12), iteration))
+
+    def _at_roots(self, call: Call, each: EachRoot, part: Part, phases: Phases) -> AtRoots:
+        """A loop over the roots; what one gives lies in variables of its own until it is known to count."""
+        if phases.angles is not None:
+            raise ValueError(f"{part.name}.{call.kernel}: sines at roots come too late")
+        kernel = part.kernel(call.kernel)
+        rows = tuple((call.variable_out(p.name), p.size) for p in kernel.outputs if p.name != each.miss)
+        special = {name: f"{name}_at" for name, _ in rows}
+        special |= {"tail_y": "root_tail_y", "tail_x": "root_tail_x"}
+        stores = [
+            (f"{call.variable_out(tail.port.name)}_at[{index}]", f"root_tail[{slot}]")
+            for tail in phases.tails
+            for index, slot in enumerate(tail.slots)
+        ]
+        return AtRoots(
+            call=self._text(
+                call, part, phases.body, {**special, each.root: each.root, each.miss: each.miss}, 12
+            ),
+            polynomial=each.polynomial,
+            degree=each.degree,
+            error=repr(each.error),
+            root=each.root,
+            miss=each.miss,
+            tolerance=repr(each.tolerance),
+            order=each.order,
+            count=each.count,
+            doubtful=each.doubtful,
+            found=each.found,
+            rows=rows,
+            tail_count=phases.tail_size,
+            tail_stores=tuple(stores),
+        )
 
     def _angles(self, call: Call, part: Part, phases: Phases) -> dict[str, str]:
         """Where the body finds its sines and cosines; the angles are computed before."""

@@ -11,6 +11,7 @@ from krhpr.codegen.composition import (
     SIGNS,
     STATUS_DOC,
     Call,
+    EachRoot,
     Guard,
     Relation,
     Repeat,
@@ -178,9 +179,14 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set
     kernel = robot.parts[call.part].kernel(call.kernel)
     arguments = [f"g.{call.part}"] if kernel.geometry is not None else []
     for port in kernel.inputs:
-        arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
+        if call.each is not None and port.name == call.each.root:
+            arguments.append("root")
+        else:
+            arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [name if name in read else f"_{name}" for name in names]
+    if call.each is not None:
+        return _at_roots(call, call.each, kernel, arguments)
     if call.repeat is not None:
         return _iteration(call, call.repeat, kernel, arguments, names)
     return broken(f"{', '.join(names)} = {call.part}.{kernel.name}", arguments, indent=8)
@@ -197,6 +203,17 @@ def _iteration(call: Call, repeat: Repeat, kernel: Kernel, arguments: list[str],
     return broken(
         f"{', '.join(names)} = rt.repeat", [step, start, repr(repeat.tolerance), str(repeat.limit)], indent=8
     )
+
+
+def _at_roots(call: Call, each: EachRoot, kernel: Kernel, arguments: list[str]) -> str:
+    """The kernel at every root of a polynomial, by the runtime."""
+    ports = [port.name for port in kernel.outputs]
+    if ports[-1] != each.miss:
+        raise ValueError(f"{call.part}.{kernel.name}: its last output is {ports[-1]}, not {each.miss}")
+    names = [*map(call.variable_out, ports[:-1]), each.count, each.doubtful, each.found]
+    step = f"lambda root: {call.part}.{kernel.name}({', '.join(arguments)})"
+    rest = [each.polynomial, repr(each.error), repr(each.tolerance), str(ports.index(each.order))]
+    return broken(f"{', '.join(names)} = rt.at_roots", [step, *rest], indent=8)
 
 
 def _argument(variable: Variable, stage: Stage) -> str:

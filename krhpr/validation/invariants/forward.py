@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from krhpr.validation.differences import arc, call
-from krhpr.validation.invariants.batch import close, runner
+from krhpr.validation.invariants.batch import runner
 from krhpr.validation.invariants.position import every_assembly
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
@@ -22,17 +22,26 @@ def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
     pose = batch.pose
     rows = np.abs(call(one, batch, "jacobians")["J"]).max(axis=-1)
     errors = []
+    closed = one.subject.platform.closed_forward
     for mode in range(modes):
+        if (mode >= result["count"]).all():
+            break
+        here = mode < result["count"]
         there = {name: result[name][:, mode] for name in pose}
         residual = call(one, batch, "constraints", **there)["residual"]
-        found.worse(np.abs(residual) / rows, f"residual of solution {mode + 1}")
+        found.worse((np.abs(residual) / rows)[here], f"residual of solution {mode + 1}")
         known = call(one, batch, "type_2_of_redundant", redundant=result["redundant"][:, mode])
-        close(found, result["det_J"][:, mode], known["type_2"].prod(axis=-1), "det J", 0)
-        first = known["margins"][:, 0] * (1 if mode == 0 else -1)
-        found.worse((first <= 0).astype(float), f"solution {mode + 1} is on the wrong side")
+        det_J = known["type_2"].prod(axis=-1)
+        bound = np.linalg.norm(call(one, batch, "jacobians", **there)["J"], axis=-1).prod(axis=-1)
+        found.worse((np.abs(result["det_J"][:, mode] - det_J) / bound)[here], "det J")
+        if closed:
+            first = known["margins"][:, 0] * (1 if mode == 0 else -1)
+            found.worse((first <= 0).astype(float), f"solution {mode + 1} is on the wrong side")
         errors.append(_distance(batch, {**there, "redundant": result["redundant"][:, mode]}))
-    found.worse(np.min(errors, axis=0), "the pose is missing")
-    found.worse((result["count"] != modes).astype(float), "count")
+    found.worse(np.min(np.nan_to_num(errors, nan=np.inf), axis=0), "the pose is missing")
+    there_are = np.isfinite(result["det_J"]).sum(axis=-1)
+    found.worse((result["count"] != there_are).astype(float), "count")
+    found.worse((there_are % 2 != 0).astype(float), "an odd number of solutions")
 
 
 def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:

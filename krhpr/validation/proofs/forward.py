@@ -7,7 +7,7 @@ from typing import Any
 from krhpr.codegen.kernel import LEGS
 from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
-from krhpr.validation.configurations import configuration_in_balls
+from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
 from krhpr.validation.numbers import Ball, ball_precision, same
 from krhpr.validation.outcome import Measured, Runner
@@ -73,7 +73,80 @@ def mode_on_one_side(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+def sextic(subject: Subject, check: Check, count: int) -> Measured:
+    """The sextic by its definition at any T, its root at the pose, and the pose at its root."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for _ in range(count):
+            here = configuration_in_balls(subject, source)
+            legs = [here.kernel("platform", "tie", leg) for leg in range(LEGS)]
+            inputs = {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
+            inputs |= {"s": here.values["s"], "turned": [Ball(1)]}
+            result = subject.kernel("platform", "sextic", inputs, here.geometry, 0, BALLS)
+            for _ in range(3):
+                T = Ball(source.nonzero())
+                wanted = _by_definition(inputs["anchor"], inputs["length"], result["points"], T)
+                found.equal([_value(result["sextic"], T, Ball(1))], [wanted], "the sextic at any T")
+            cosine, sine = _turn(here, result)
+            root = [sine, cosine + Ball(1)]  # tan(phi / 2) = sin / (1 + cos)
+            found.equal([_value(result["sextic"], *root)], [Ball(0)], "the pose is a root")
+            inputs |= {"root": root, **{name: result[name] for name in ("points", "axes") if name in result}}
+            pose = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
+            for name in ("p", "phi" if subject.planar else "Q", "redundant"):
+                found.equal(pose[name], here.values[name], f"{name} at the root")
+            found.equal(pose["miss"], [Ball(0)], "miss at the root")
+            product: Any = Ball(1)
+            for factor in here.call("type_2_of_redundant")["type_2"]:
+                product = product * factor
+            found.equal(pose["det_J"], [product], "det J at the root")
+            found.samples += 1
+    return found
+
+
+def _value(coefficients: list[Any], x: Any, y: Any) -> Any:
+    """A polynomial in T = x / y, times a power of y."""
+    total: Any = Ball(0)
+    for power, coefficient in enumerate(coefficients):
+        term = coefficient
+        for _ in range(power):
+            term = term * x
+        for _ in range(len(coefficients) - 1 - power):
+            term = term * y
+        total = total + term
+    return total
+
+
+def _turn(here: Configuration, result: dict[str, list[Any]]) -> tuple[Any, Any]:
+    """Cosine and sine of the platform's angle in the intermediate frame."""
+    if here.subject.planar:
+        phi = here.values["phi"][0]
+        return phi.cos(), phi.sin()
+    Q, axes = here.values["Q"], result["axes"]
+    first, second = (sum((axes[3 * i + j] * Q[3 * i] for i in range(3)), Ball(0)) for j in (0, 1))
+    return first, second
+
+
+def _by_definition(anchors: list[Any], lengths: list[Any], points: list[Any], T: Any) -> Any:
+    """(1 + T^2)^3 (|e_2 z_3 - e_3 z_2|^2 - 4 l_1^2 D^2) with the links' vectors at the angle 2 arctan(T)."""
+    norm = Ball(1) + T * T
+    c, s = (Ball(1) - T * T) / norm, (T + T) / norm
+    z, e = [], []
+    for k in (1, 2):
+        x, y = anchors[2 * k] - anchors[0], anchors[2 * k + 1] - anchors[1]
+        z_k = (
+            c * x - s * y - (points[2 * k] - points[0]),
+            s * x + c * y - (points[2 * k + 1] - points[1]),
+        )
+        z.append(z_k)
+        e.append(lengths[k] * lengths[k] - lengths[0] * lengths[0] - z_k[0] * z_k[0] - z_k[1] * z_k[1])
+    u, v = (e[0] * z[1][j] - e[1] * z[0][j] for j in (0, 1))
+    D = z[0][0] * z[1][1] - z[0][1] * z[1][0]
+    return norm * norm * norm * (u * u + v * v - Ball(4) * lengths[0] * lengths[0] * D * D)
+
+
 RUNNERS: dict[str, Runner] = {
     "assembly modes close": assembly_modes,
     "the mode on one side": mode_on_one_side,
+    "sextic": sextic,
 }

@@ -126,8 +126,8 @@ INVARIANTS = (
         "forward_all",
         ROUND_TRIP,
         BATCH,
-        "The pose is among the solutions, each of which closes the platform, has the det J of its redundant "
-        "coordinates, and lies on a side of type II of its own.",
+        "The pose is among the solutions, an even number, each of which closes the platform and has the "
+        "det J of its redundant coordinates; of the two of (b) and (c) each has its side of type II.",
         ("end_points", "constraints", "type_2_of_redundant"),
     ),
     Rule(

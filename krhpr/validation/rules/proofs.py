@@ -22,6 +22,8 @@ class Proof:
     statement: str
     also: tuple[str, ...] = ()
     only: tuple[str, ...] | None = None
+    needs: str = ""
+    """A kernel without which there is nothing to prove of a robot."""
 
 
 SUBLEG_PROOFS = (
@@ -245,6 +247,16 @@ PLATFORM_PROOFS = (
 
 ROBOT_PROOFS = (
     Proof(
+        "sextic",
+        "forward_all",
+        BALL,
+        FEW,
+        "The sextic is |e_2 z_3 - e_3 z_2|^2 = 4 l_1^2 D^2 of the links' vectors, at any T; the pose that "
+        "the end points come from is one of its roots, and the kernel gives it back there.",
+        ("platform.tie", "platform.sextic", "platform.assembly"),
+        needs="platform.sextic",
+    ),
+    Proof(
         "the mode on one side",
         "forward",
         BALL,
@@ -257,8 +269,8 @@ ROBOT_PROOFS = (
         "forward_all",
         BALL,
         FEW,
-        "Every solution satisfies the constraint equations, its det J is that of its redundant coordinates, "
-        "and one of them is the pose that the end points come from.",
+        "Both solutions satisfy the constraint equations, their det J is that of their redundant "
+        "coordinates, and one of them is the pose that the end points come from.",
         (
             "constraints",
             "redundant_coordinates",
@@ -266,6 +278,7 @@ ROBOT_PROOFS = (
             "platform.tie",
             "platform.assembly_modes",
         ),
+        needs="platform.assembly_modes",
     ),
     Proof(
         "joint motion",

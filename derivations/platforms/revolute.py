@@ -1,0 +1,211 @@
+"""Forward kinematics of arrangement (a), in space and in the plane: the sextic of Section 3.2.1.
+
+With a_i from S_i to B_i in the platform's plane, a_k = a_1 + z_k and z_k = R(phi) d_k - r_k, where
+d_k = b_k - b_1 and r_k = s_k - s_1.  Subtracting |a_1| = l_1 from |a_k| = l_k leaves 2 z_k . a_1 = e_k, linear
+in a_1, with e_k = l_k^2 - l_1^2 - |z_k|^2.  Hence 2 D a_1 = e_3 E z_2 - e_2 E z_3 with D = z_2 x z_3, and
+
+    |e_2 z_3 - e_3 z_2|^2 = 4 l_1^2 D^2.
+
+|z_k|^2, z_2 . z_3 and D are linear in cos(phi) and sin(phi), so that this is a sextic in T = tan(phi / 2),
+for any platform and any lengths.  Where D is zero at a root, e_2 z_3 = e_3 z_2 too: both sides have a double zero
+there.  So every simple root is a solution, and what the elimination adds are multiple roots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from krhpr.codegen.kernel import Frame, GeometryType, Kernel, Port, Unit
+from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms.forward import TURNED, Plane, all_legs, forward_ports, plane_of, stacked
+from krhpr.derivations.terms import Space
+from krhpr.derivations.vectors import E, cross2, dot, lines_meet
+
+DEGREE = 6
+ANCHOR = stacked("anchor", (2,), Unit.METRE, "b_i, the joint on the platform")
+LENGTH = stacked("length", (), Unit.METRE, "l_i, the redundant link")
+SEXTIC = Port(
+    "sextic",
+    (DEGREE + 1,),
+    Unit.MIXED,
+    Frame.NONE,
+    "coefficients in T = tan(phi / 2), the constant one first",
+)
+POINTS = Port("points", (3, 2), Unit.METRE, Frame.NONE, "S_i in the intermediate frame, from S_1")
+AXES = Port("axes", (3, 3), Unit.NONE, Frame.BASE, "intermediate frame [x_1, y_1, z_1]")
+ROOT = Port("root", (2,), Unit.NONE, Frame.NONE, "a root of the sextic: T = root_0 / root_1")
+MISS = Port(
+    "miss", (1,), Unit.NONE, Frame.NONE, "by how much the links' lengths are missed, squared and scaled"
+)
+SEXTIC_ERROR = 1e-14
+"""What rounding makes of the coefficients, relative to the sum of their sizes."""
+MISS_TOLERANCE = 1e-18
+"""A solution holds the links' lengths to a billionth; a root that is none misses them by far."""
+STEPS = 2
+"""Newton steps behind each root: one takes away what the elimination loses, one is for safety."""
+
+
+def forward_kernels(
+    space: Space, geometry: GeometryType, end_points: Port, joint: Port, equations: str
+) -> tuple[Kernel, ...]:
+    """Kernels of the forward kinematics: what a leg contributes, the sextic, the pose at one of its roots."""
+    return (
+        _tie(geometry),
+        _sextic(space, end_points, equations),
+        _assembly(space, end_points, joint, equations),
+    )
+
+
+def _tie(geometry: GeometryType) -> Kernel:
+    k = KernelWriter("tie", "How the leg holds the platform, for the forward kinematics.", "", geometry)
+    k.add_output(ANCHOR, k.g.b)
+    k.add_output(LENGTH, k.g.l_r)
+    return k.kernel()
+
+
+def _linear(constant: Any, cosine: Any, sine: Any) -> list[Any]:
+    """constant + cosine cos(phi) + sine sin(phi), times 1 + T^2, in powers of T."""
+    return [constant + cosine, 2 * sine, constant - cosine]
+
+
+def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    found = [sp.Integer(0)] * (len(a) + len(b) - 1)
+    for i, left in enumerate(a):
+        for j, right in enumerate(b):
+            found[i + j] += left * right
+    return found
+
+
+def _sextic(space: Space, end_points: Port, equations: str) -> Kernel:
+    k = KernelWriter("sextic", "The sextic in tan(phi / 2) that holds the three end points.", equations)
+    s, anchors, lengths = all_legs(k, end_points), all_legs(k, ANCHOR), all_legs(k, LENGTH)
+    turned = k.add_input(TURNED) if space is Space.SPATIAL else sp.Integer(1)
+    d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in (1, 2)]
+    plane = plane_of(k, space, s, cross2(*d), turned)
+    r = plane.points[1:]
+    k.add_output(POINTS, [entry for point in plane.points for entry in point])
+    if plane.axes is not None:
+        k.add_output(AXES, plane.axes)
+    along = [[k.let(f"c_{i}{j}", dot(d[i - 2], r[j - 2])) for j in (2, 3)] for i in (2, 3)]
+    across = [[k.let(f"s_{i}{j}", cross2(d[i - 2], r[j - 2])) for j in (2, 3)] for i in (2, 3)]
+
+    def name(text: str, form: list[Any]) -> list[Any]:
+        return [k.let(f"{text}_{j}", value) for j, value in enumerate(form)]
+
+    # r . R d = (d . r) cos + (d x r) sin,  (R d) x r = (d x r) cos - (d . r) sin
+    squares = [
+        name(
+            f"z{i + 2}",
+            _linear(dot(d[i], d[i]) + dot(r[i], r[i]), -2 * along[i][i], -2 * across[i][i]),
+        )
+        for i in (0, 1)
+    ]
+    one = [sp.Integer(1), sp.Integer(0), sp.Integer(1)]
+    gaps = [
+        name(
+            f"e{i + 2}",
+            [(lengths[i + 1] ** 2 - lengths[0] ** 2) * n - z for n, z in zip(one, squares[i], strict=True)],
+        )
+        for i in (0, 1)
+    ]
+    inner = name(
+        "w",
+        _linear(dot(d[0], d[1]) + dot(r[0], r[1]), -along[0][1] - along[1][0], -across[0][1] - across[1][0]),
+    )
+    outer = name(
+        "D",
+        _linear(
+            cross2(d[0], d[1]) + cross2(r[0], r[1]), across[1][0] - across[0][1], along[0][1] - along[1][0]
+        ),
+    )
+    e22, e33 = name("e22", _product(gaps[0], gaps[0])), name("e33", _product(gaps[1], gaps[1]))
+    e23, dd = name("e23", _product(gaps[0], gaps[1])), name("DD", _product(outer, outer))
+    terms = (_product(e22, squares[1]), _product(e33, squares[0]), _product(e23, inner), _product(dd, one))
+    k.add_output(SEXTIC, [a + b - 2 * c - 4 * lengths[0] ** 2 * e for a, b, c, e in zip(*terms, strict=True)])
+    return k.kernel()
+
+
+def _assembly(space: Space, end_points: Port, joint: Port, equations: str) -> Kernel:
+    k = KernelWriter("assembly", "The pose at one root of the sextic.", equations)
+    x, y = k.add_input(ROOT)
+    s, anchors, lengths = all_legs(k, end_points), all_legs(k, ANCHOR), all_legs(k, LENGTH)
+    whole = k.add_input(POINTS)
+    points = tuple(whole.row(i).T for i in range(3))
+    axes = k.add_input(AXES) if space is Space.SPATIAL else None
+    plane = Plane(space, s[0], axes, points)
+    d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in range(3)]
+    scale = k.let("xy_2", 1 / (x**2 + y**2))
+    cosine, sine = k.let("cos_0", (y**2 - x**2) * scale), k.let("sin_0", 2 * x * y * scale)
+    z = [k.let(f"z_{i + 1}", _turned(cosine, sine, d[i]) - points[i]) for i in (1, 2)]
+    e = [k.let(f"e_{i + 2}", lengths[i + 1] ** 2 - lengths[0] ** 2 - dot(z[i], z[i])) for i in (0, 1)]
+    a_1 = k.let("a_1_0", (e[1] * (E * z[0]) - e[0] * (E * z[1])) / (2 * cross2(z[0], z[1])))
+    for step in range(1, STEPS + 1):
+        cosine, sine, a_1 = _newton(k, step, cosine, sine, a_1, d, points, lengths)
+    turned = [k.let(f"Rd_{i + 1}", _turned(cosine, sine, d[i])) for i in range(3)]
+    a = [k.let(f"a_{i + 1}", a_1 + turned[i] - points[i], "S_i to B_i") for i in range(3)]
+    position = k.let("p_l", a_1 - _turned(cosine, sine, anchors[0]))
+    local = [k.let(f"u_{i + 1}", _turned(cosine, -sine, a[i]), "in the platform frame") for i in range(3)]
+    beta = [
+        k.atan2(u[0] * b[1] - u[1] * b[0], u[0] * b[0] + u[1] * b[1])
+        for u, b in zip(local, anchors, strict=True)
+    ]
+    det_j = sum(
+        (cross2(local[(i + 1) % 3], local[(i + 2) % 3]) * cross2(anchors[i], local[i]) for i in range(3)),
+        sp.Integer(0),
+    )
+    if space is Space.SPATIAL:
+        det_j = det_j * cross2(points[1], points[2])
+    ports = forward_ports(space, joint, 0)
+    k.add_output(ports.p, plane.position(position))
+    if axes is None:
+        k.add_output(ports.orientation, k.atan2(sine, cosine))
+    else:
+        k.add_output(ports.orientation, plane.orientation(cosine, sine))
+    k.add_output(ports.redundant, beta)
+    k.add_output(ports.det_J, det_j)
+    misses = [dot(v, v) - length**2 for v, length in zip(a, lengths, strict=True)]
+    size = sum(length**2 for length in lengths)
+    k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
+    return k.kernel()
+
+
+def _turned(cosine: Any, sine: Any, v: sp.Matrix) -> sp.Matrix:
+    """R(phi) v."""
+    return sp.Matrix([cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]])
+
+
+def _newton(
+    k: KernelWriter,
+    step: int,
+    cosine: Any,
+    sine: Any,
+    a_1: sp.Matrix,
+    d: Sequence[sp.Matrix],
+    points: Sequence[sp.Matrix],
+    lengths: Sequence[Any],
+) -> tuple[Any, Any, sp.Matrix]:
+    """One Newton step of |a_i| = l_i in phi and a_1; with sum lambda_i a_i = 0 the equations lose a_1."""
+    turned = [_turned(cosine, sine, v) for v in d]
+    a = [k.let(f"a_{i + 1}_{step}", a_1 + turned[i] - points[i]) for i in range(3)]
+    f = [
+        k.let(f"f_{i + 1}_{step}", (dot(v, v) - length**2) / 2)
+        for i, (v, length) in enumerate(zip(a, lengths, strict=True))
+    ]
+    slope = [k.let(f"g_{i + 1}_{step}", cross2(turned[i], a[i])) for i in range(3)]
+    weights = [k.let(f"lambda_{i + 1}_{step}", cross2(a[(i + 1) % 3], a[(i + 2) % 3])) for i in range(3)]
+    turn = k.let(
+        f"turn_{step}",
+        -sum(w * v for w, v in zip(weights, f, strict=True))
+        / sum(w * v for w, v in zip(weights, slope, strict=True)),
+    )
+    right = [-v - turn * g for v, g in zip(f, slope, strict=True)]
+    move = k.let(f"move_{step}", lines_meet(a, right, weights))
+    norm = k.let(f"norm_{step}", 1 / sp.sqrt(1 + turn**2))
+    return (
+        k.let(f"cos_{step}", (cosine - sine * turn) * norm),
+        k.let(f"sin_{step}", (sine + cosine * turn) * norm),
+        k.let(f"a_1_{step}_on", a_1 + move),
+    )
