@@ -81,8 +81,8 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
         for _ in range(count):
             here = configuration_in_balls(subject, source)
             legs = [here.kernel("platform", "tie", leg) for leg in range(LEGS)]
-            inputs = {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
-            inputs |= {"s": here.values["s"], "turned": [Ball(1)]}
+            inputs: dict[str, list[Any]] = {"s": here.values["s"], "turned": [Ball(1)]}
+            inputs |= {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
             result = subject.kernel("platform", "sextic", inputs, here.geometry, 0, BALLS)
             for _ in range(3):
                 T = Ball(source.nonzero())
@@ -91,7 +91,8 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
             cosine, sine = _turn(here, result)
             root = [sine, cosine + Ball(1)]  # tan(phi / 2) = sin / (1 + cos)
             found.equal([_value(result["sextic"], *root)], [Ball(0)], "the pose is a root")
-            inputs |= {"root": root, **{name: result[name] for name in ("points", "axes") if name in result}}
+            inputs["root"] = root
+            inputs |= {name: result[name] for name in ("points", "axes") if name in result}
             pose = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
             for name in ("p", "phi" if subject.planar else "Q", "redundant"):
                 found.equal(pose[name], here.values[name], f"{name} at the root")
