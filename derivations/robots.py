@@ -578,7 +578,10 @@ class _Functions:
                 self._on_leg("platform", "tie"),
                 Call(Stage.PLATFORM, "platform", "assembly_modes", {}, {}),
             ),
-            tuple(replace(guard, empties=(ports.count.name,)) for guard in self._assembly_guards()),
+            tuple(
+                replace(guard, empties=(ports.count.name,))
+                for guard in (*([] if self.planar else [self._sign_guard()]), *self._assembly_guards())
+            ),
         )
 
     def _forward_at_roots(self) -> RobotFunction:
@@ -587,7 +590,7 @@ class _Functions:
         each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name)
         guards = [
             Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
-            *([] if self.planar else [self._flatness_guard()]),
+            *([] if self.planar else [self._sign_guard(), self._flatness_guard()]),
         ]
         empties = (ports.count.name, doubtful.name)
         return self._function(
@@ -621,7 +624,7 @@ class _Functions:
                 self._on_leg("platform", "tie"),
                 Call(Stage.PLATFORM, "platform", "assembly_mode", {}, {"radicand": "assembly_radicand"}),
             ),
-            (*subleg.guards, *self._assembly_guards("assembly_radicand")),
+            (*subleg.guards, self._sign_guard(), *self._assembly_guards("assembly_radicand")),
         )
 
     def _assembly_guards(self, radicand: str = "radicand") -> tuple[Guard, ...]:
@@ -633,6 +636,11 @@ class _Functions:
         if not self.planar:
             guards.insert(0, self._flatness_guard())
         return tuple(guards)
+
+    @staticmethod
+    def _sign_guard() -> Guard:
+        """Where a sign that is given is none there is no platform of that kind."""
+        return Guard("sign", 0, Relation.AT_LEAST, 0.5, Status.NO_ASSEMBLY)
 
     @staticmethod
     def _flatness_guard() -> Guard:

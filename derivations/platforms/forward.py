@@ -33,6 +33,15 @@ FLATNESS = Port(
     "flatness", (1,), Unit.NONE, Frame.NONE, "squared sine of the angle at S_1 in the triangle S_1 S_2 S_3"
 )
 
+SIGN = Port("sign", (1,), Unit.NONE, Frame.NONE, "1 where `side` or `turned` is +1 or -1, 0 where it is 0")
+
+
+def unit_sign(k: KernelWriter, given: Any) -> Any:
+    """The square of a sign that is given, by whose root it is divided; the output `sign` says what it is."""
+    square = k.let(f"{given}_2", given**2)  # by itself, or its root would be an absolute value
+    k.add_output(SIGN, [1 - (square - 1) ** 2])
+    return square
+
 
 @dataclass(frozen=True)
 class Plane:
@@ -71,7 +80,7 @@ def plane_of(k: KernelWriter, space: Space, s: Sequence[sp.Matrix], order: Any, 
     normal = k.let("s_n", cross(s_12, s_13))
     square, across = k.let("s_12_2", dot(s_12, s_12)), k.let("s_n_2", dot(normal, normal))
     sense = k.let("sense", order * turned, "positive where the legs go round z_1")
-    weight = k.let("sense_2", order**2 * turned**2)
+    weight = k.let("sense_2", order**2 * (unit_sign(k, turned) if turned.is_Symbol else turned))
     weighted = k.let("s_n_w", weight * across)
     # not a number where the legs have no order, so that the guard fails
     k.add_output(FLATNESS, [weighted / (weight * (square * dot(s_13, s_13)))])

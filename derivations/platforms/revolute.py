@@ -2,13 +2,14 @@
 
 With a_i from S_i to B_i in the platform's plane, a_k = a_1 + z_k and z_k = R(phi) d_k - r_k, where
 d_k = b_k - b_1 and r_k = s_k - s_1.  Subtracting |a_1| = l_1 from |a_k| = l_k leaves 2 z_k . a_1 = e_k,
-linear in a_1, with e_k = l_k^2 - l_1^2 - |z_k|^2.  Hence 2 D a_1 = e_3 E z_2 - e_2 E z_3 with D = z_2 x z_3, and
+linear in a_1, with e_k = l_k^2 - l_1^2 - |z_k|^2.  Hence 2 D a_1 = e_3 E z_2 - e_2 E z_3 with
+D = z_2 x z_3, and
 
     |e_2 z_3 - e_3 z_2|^2 = 4 l_1^2 D^2.
 
 |z_k|^2, z_2 . z_3 and D are linear in cos(phi) and sin(phi), so that this is a sextic in T = tan(phi / 2),
-for any platform and any lengths.  Where D is zero at a root, e_2 z_3 = e_3 z_2 too, and both sides have a double
-zero there.  So every simple root is a solution, and what the elimination adds are multiple roots.
+for any platform and any lengths.  Where D is zero at a root, e_2 z_3 = e_3 z_2 too, and both sides have a
+double zero there.  So every simple root is a solution, and what the elimination adds are multiple roots.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ from krhpr.derivations.platforms.forward import (
     all_legs,
     plane_of,
     stacked,
+    unit_sign,
     write_modes,
 )
 from krhpr.derivations.platforms.kernels import PlatformPorts
@@ -197,10 +198,8 @@ class SlidePlatform(Platform):
         radicand = k.let("radicand", square - c**2)
         size = k.let("size", sum(w**2 for w in weights) * sum(dot(r, r) for r in points))
         k.add_output(BREADTH, [square / size])
-        square_of_side = sp.Integer(1) if choice is None else k.let("side_2", side**2)
-        ratio = radicand if choice is None else k.let("ratio", radicand / square_of_side)
-        # with a side of zero it is not a number, and the guard fails
-        k.add_output(RADICAND, [ratio * square_of_side])
+        k.add_output(RADICAND, [radicand])
+        ratio = radicand if choice is None else k.let("ratio", radicand / unit_sign(k, side))
         root = k.let("root", sp.sqrt(ratio) / square)
         middle = k.let("middle", c / square)
         first = sp.Integer(self.handedness)  # where the first margin is positive

@@ -1001,6 +1001,7 @@ KRHPR_API int krhpr_planar_pp_c_forward(
     double slide[6];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (!(krhpr_taint(theta, 6) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1015,9 +1016,12 @@ KRHPR_API int krhpr_planar_pp_c_forward(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
-        s, slide, side, breadth, assembly_radicand, p, redundant, tail_y, tail_x);
+        s, slide, side, breadth, assembly_radicand, sign, p, redundant, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(breadth[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

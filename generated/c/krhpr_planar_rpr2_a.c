@@ -1043,7 +1043,6 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_all(
     double length[3];
     double points[6];
     double sextic[7];
-    double miss[1];
     double found[1];
     if (!(krhpr_taint(s, 6) == 0.0)) {
         krhpr_fill_nan(p, 12);
@@ -1085,11 +1084,15 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_all(
             redundant_at[1] = root_tail[2];
             redundant_at[2] = root_tail[3];
             int place = kept;
-            for (; place > 0 && det_J[place - 1] > det_J_at[0]; --place) {
-                krhpr_copy(p + 2 * place, p + 2 * (place - 1), 2);
-                krhpr_copy(phi + 1 * place, phi + 1 * (place - 1), 1);
-                krhpr_copy(redundant + 3 * place, redundant + 3 * (place - 1), 3);
-                krhpr_copy(det_J + 1 * place, det_J + 1 * (place - 1), 1);
+            for (int below = kept - 1; below >= 0; --below) {
+                if (det_J[below] <= det_J_at[0]) {
+                    break;
+                }
+                krhpr_copy(p + 2 * (below + 1), p + 2 * below, 2);
+                krhpr_copy(phi + 1 * (below + 1), phi + 1 * below, 1);
+                krhpr_copy(redundant + 3 * (below + 1), redundant + 3 * below, 3);
+                krhpr_copy(det_J + 1 * (below + 1), det_J + 1 * below, 1);
+                place = below;
             }
             krhpr_copy(p + 2 * place, p_at, 2);
             krhpr_copy(phi + 1 * place, phi_at, 1);

@@ -1069,6 +1069,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward(
     double slide[6];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (assembly == NULL) {
         assembly = assembly_default;
     }
@@ -1086,13 +1087,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
-        s, slide, side, breadth, assembly_radicand, p, redundant, tail_y, tail_x);
+        s, slide, side, breadth, assembly_radicand, sign, p, redundant, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
         }
+    }
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
     }
     if (!(breadth[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;

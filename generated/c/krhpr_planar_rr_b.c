@@ -1113,6 +1113,7 @@ KRHPR_API int krhpr_planar_rr_b_forward(
     double start[3];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (!(krhpr_taint(theta, 6) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1134,9 +1135,12 @@ KRHPR_API int krhpr_planar_rr_b_forward(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
-        s, slide, distance, start, side, breadth, assembly_radicand, p, redundant, tail_y, tail_x);
+        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(breadth[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

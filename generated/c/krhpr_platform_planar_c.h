@@ -332,12 +332,12 @@ static inline void krhpr_platform_planar_c_assembly_modes(
     tail_x[1] = cos_2;
 }
 
-/* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.13).  (42
+/* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.13).  (44
  * add, 70 multiply, 4 divide, 1 square root) */
 static inline void krhpr_platform_planar_c_assembly_mode(
     const double s[6], const double slide[6], double side, double *KRHPR_RESTRICT breadth,
-    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
-    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -352,6 +352,7 @@ static inline void krhpr_platform_planar_c_assembly_mode(
     const double t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
     const double size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1);
     const double side_2 = side * side;
+    const double t3 = side_2 - 1.0;
     const double ratio = AB_2 / side_2;
     const double root = sqrt(ratio) / AB_2;
     const double cos = side * (t1 * root);
@@ -362,17 +363,18 @@ static inline void krhpr_platform_planar_c_assembly_mode(
     const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
     const double g_2 = slide[2] * q_2_1 - slide[3] * q_2_0;
     const double g_3 = slide[4] * q_3_1 - slide[5] * q_3_0;
-    const double t3 = lambda_2 * g_3;
-    const double t4 = lambda_3 * g_2;
-    const double t5 = 1.0 / t2;
-    const double o_0 = (lambda_1 * (slide[4] * g_2 - slide[2] * g_3) + slide[0] * t3 - slide[0] * t4) * t5; /* Q^T (p - s_1) */
-    const double o_1 = t5 * (lambda_1 * (slide[5] * g_2 - slide[3] * g_3) + slide[1] * t3 - slide[1] * t4);
+    const double t4 = lambda_2 * g_3;
+    const double t5 = lambda_3 * g_2;
+    const double t6 = 1.0 / t2;
+    const double o_0 = (lambda_1 * (slide[4] * g_2 - slide[2] * g_3) + slide[0] * t4 - slide[0] * t5) * t6; /* Q^T (p - s_1) */
+    const double o_1 = t6 * (lambda_1 * (slide[5] * g_2 - slide[3] * g_3) + slide[1] * t4 - slide[1] * t5);
     const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
     const double S_2_1 = q_2_1 - o_1;
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
     breadth[0] = AB_2 / size;
-    radicand[0] = side_2 * ratio;
+    radicand[0] = AB_2;
+    sign[0] = 1.0 - t3 * t3;
     p[0] = s[0] + cos * o_0 - sin * o_1;
     p[1] = s[1] + cos * o_1 + sin * o_0;
     redundant[0] = -(slide[0] * o_0 + slide[1] * o_1);

@@ -420,12 +420,12 @@ static inline void krhpr_platform_spatial_a_tie(
     *length = g->l_r;
 }
 
-/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (125 add,
- * 177 multiply, 3 divide, 2 square root) */
+/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (127 add,
+ * 178 multiply, 3 divide, 2 square root) */
 static inline void krhpr_platform_spatial_a_sextic(
     const double s[9], const double anchor[6], const double length[3], double turned,
-    double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
-    double *KRHPR_RESTRICT sextic)
+    double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT sextic)
 {
     const double d_2_0 = anchor[2] - anchor[0];
     const double d_2_1 = anchor[3] - anchor[1];
@@ -446,18 +446,20 @@ static inline void krhpr_platform_spatial_a_sextic(
     const double t2 = d_2_1 * d_3_0;
     const double t3 = t1 - t2;
     const double sense = turned * t3; /* positive where the legs go round z_1 */
-    const double sense_2 = turned * turned * (t3 * t3);
+    const double turned_2 = turned * turned;
+    const double t4 = turned_2 - 1.0;
+    const double sense_2 = turned_2 * (t3 * t3);
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t4 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t4; /* (3.1) */
-    const double x_1_1 = s_12_1 * t4;
-    const double x_1_2 = s_12_2 * t4;
-    const double t5 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t5; /* (3.2) */
-    const double z_1_1 = t5 * (s_n_1 * sense);
-    const double z_1_2 = t5 * (s_n_2 * sense);
+    const double t5 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t5; /* (3.1) */
+    const double x_1_1 = s_12_1 * t5;
+    const double x_1_2 = s_12_2 * t5;
+    const double t6 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t6; /* (3.2) */
+    const double z_1_1 = t6 * (s_n_1 * sense);
+    const double z_1_2 = t6 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
@@ -472,43 +474,43 @@ static inline void krhpr_platform_spatial_a_sextic(
     const double s_23 = d_2_0 * r_3_1 - d_2_1 * r_3_0;
     const double s_32 = points_10 * (anchor[1] - anchor[5]);
     const double s_33 = d_3_0 * r_3_1 - d_3_1 * r_3_0;
-    const double t6 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10;
-    const double t7 = c_22 * 2.0;
-    const double z2_0 = t6 - t7;
+    const double t7 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10;
+    const double t8 = c_22 * 2.0;
+    const double z2_0 = t7 - t8;
     const double e2_1 = s_22 * 4.0;
-    const double z2_2 = t6 + t7;
-    const double t8 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1;
-    const double t9 = c_33 * 2.0;
-    const double z3_0 = t8 - t9;
+    const double z2_2 = t7 + t8;
+    const double t9 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1;
+    const double t10 = c_33 * 2.0;
+    const double z3_0 = t9 - t10;
     const double e3_1 = s_33 * 4.0;
-    const double z3_2 = t8 + t9;
-    const double t10 = length[1] * length[1];
-    const double t11 = length[0] * length[0];
-    const double e2_0 = t10 - z2_0 - t11;
-    const double e2_2 = t10 - z2_2 - t11;
-    const double t12 = length[2] * length[2];
-    const double e3_0 = t12 - z3_0 - t11;
-    const double e3_2 = t12 - z3_2 - t11;
-    const double t13 = d_2_0 * d_3_0;
-    const double t14 = d_2_1 * d_3_1;
-    const double t15 = r_3_0 * points_10;
-    const double w_0 = t13 + t14 + t15 - c_23 - c_32;
-    const double t16 = s_23 * 2.0 + s_32 * 2.0;
-    const double w_2 = t15 + (t14 + (t13 + (c_23 + c_32)));
-    const double t17 = r_3_1 * points_10;
-    const double D_0 = t1 + s_32 + t17 - s_23 - t2;
+    const double z3_2 = t9 + t10;
+    const double t11 = length[1] * length[1];
+    const double t12 = length[0] * length[0];
+    const double e2_0 = t11 - z2_0 - t12;
+    const double e2_2 = t11 - z2_2 - t12;
+    const double t13 = length[2] * length[2];
+    const double e3_0 = t13 - z3_0 - t12;
+    const double e3_2 = t13 - z3_2 - t12;
+    const double t14 = d_2_0 * d_3_0;
+    const double t15 = d_2_1 * d_3_1;
+    const double t16 = r_3_0 * points_10;
+    const double w_0 = t14 + t15 + t16 - c_23 - c_32;
+    const double t17 = s_23 * 2.0 + s_32 * 2.0;
+    const double w_2 = t16 + (t15 + (t14 + (c_23 + c_32)));
+    const double t18 = r_3_1 * points_10;
+    const double D_0 = t1 + s_32 + t18 - s_23 - t2;
     const double D_1 = c_23 * 2.0 - c_32 * 2.0;
-    const double D_2 = t17 + (t1 + s_23) - s_32 - t2;
+    const double D_2 = t18 + (t1 + s_23) - s_32 - t2;
     const double e22_0 = e2_0 * e2_0;
-    const double t18 = 2.0 * e2_0;
-    const double e22_1 = e2_1 * t18;
-    const double e22_2 = e2_1 * e2_1 + e2_2 * t18;
+    const double t19 = 2.0 * e2_0;
+    const double e22_1 = e2_1 * t19;
+    const double e22_2 = e2_1 * e2_1 + e2_2 * t19;
     const double e22_3 = e2_2 * (2.0 * e2_1);
     const double e22_4 = e2_2 * e2_2;
     const double e33_0 = e3_0 * e3_0;
-    const double t19 = 2.0 * e3_0;
-    const double e33_1 = e3_1 * t19;
-    const double e33_2 = e3_1 * e3_1 + e3_2 * t19;
+    const double t20 = 2.0 * e3_0;
+    const double e33_1 = e3_1 * t20;
+    const double e33_2 = e3_1 * e3_1 + e3_2 * t20;
     const double e33_3 = e3_2 * (2.0 * e3_1);
     const double e33_4 = e3_2 * e3_2;
     const double e23_0 = e2_0 * e3_0;
@@ -517,22 +519,23 @@ static inline void krhpr_platform_spatial_a_sextic(
     const double e23_3 = e2_1 * e3_2 + e3_1 * e2_2;
     const double e23_4 = e2_2 * e3_2;
     const double DD_0 = D_0 * D_0;
-    const double t20 = 2.0 * D_0;
-    const double DD_1 = D_1 * t20;
-    const double DD_2 = D_1 * D_1 + D_2 * t20;
+    const double t21 = 2.0 * D_0;
+    const double DD_1 = D_1 * t21;
+    const double DD_2 = D_1 * D_1 + D_2 * t21;
     const double DD_3 = D_2 * (2.0 * D_1);
     const double DD_4 = D_2 * D_2;
-    const double t21 = 2.0 * e23_0;
-    const double t22 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t11 * (4.0 * DD_1) + t16 * t21;
-    const double t23 = 2.0 * e23_1;
-    const double t24 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
-    const double t25 = 4.0 * t11;
-    const double t26 = 2.0 * e23_2;
-    const double t27 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
-    const double t28 = 2.0 * e23_3;
-    const double t29 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
-    const double t30 = 2.0 * e23_4;
-    const double t31 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t11 * (4.0 * DD_3) - w_2 * t28;
+    const double t22 = 2.0 * e23_0;
+    const double t23 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t12 * (4.0 * DD_1) + t17 * t22;
+    const double t24 = 2.0 * e23_1;
+    const double t25 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
+    const double t26 = 4.0 * t12;
+    const double t27 = 2.0 * e23_2;
+    const double t28 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
+    const double t29 = 2.0 * e23_3;
+    const double t30 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
+    const double t31 = 2.0 * e23_4;
+    const double t32 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t12 * (4.0 * DD_3) - w_2 * t29;
+    sign[0] = 1.0 - t4 * t4;
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -549,13 +552,13 @@ static inline void krhpr_platform_spatial_a_sextic(
     axes[6] = x_1_2;
     axes[7] = y_1_2;
     axes[8] = z_1_2;
-    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t11 * (4.0 * DD_0) - w_0 * t21;
-    sextic[1] = t22 - w_0 * t23;
-    sextic[2] = t24 - t25 * (DD_0 + DD_2) - w_2 * t21 + t16 * t23 - w_0 * t26;
-    sextic[3] = t27 - t25 * (DD_1 + DD_3) - w_2 * t23 + t16 * t26 - w_0 * t28;
-    sextic[4] = t29 - t25 * (DD_2 + DD_4) - w_2 * t26 + t16 * t28 - w_0 * t30;
-    sextic[5] = t31 + t16 * t30;
-    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t11 * (4.0 * DD_4) - w_2 * t30;
+    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t12 * (4.0 * DD_0) - w_0 * t22;
+    sextic[1] = t23 - w_0 * t24;
+    sextic[2] = t25 - t26 * (DD_0 + DD_2) - w_2 * t22 + t17 * t24 - w_0 * t27;
+    sextic[3] = t28 - t26 * (DD_1 + DD_3) - w_2 * t24 + t17 * t27 - w_0 * t29;
+    sextic[4] = t30 - t26 * (DD_2 + DD_4) - w_2 * t27 + t17 * t29 - w_0 * t31;
+    sextic[5] = t32 + t17 * t31;
+    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t12 * (4.0 * DD_4) - w_2 * t31;
 }
 
 /* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 232 multiply, 9 divide, 2

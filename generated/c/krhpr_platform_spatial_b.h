@@ -371,13 +371,13 @@ static inline void krhpr_platform_spatial_b_tie(
     *start = g->k[5];
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (141 add, 213
+/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (143 add, 214
  * multiply, 6 divide, 3 square root) */
 static inline void krhpr_platform_spatial_b_assembly_modes(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double turned,
-    double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
-    double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count)
+    double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth,
+    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count)
 {
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -395,98 +395,101 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double t1 = lambda_3 + (lambda_1 + lambda_2);
     const double sense = turned * t1; /* positive where the legs go round z_1 */
-    const double sense_2 = turned * turned * (t1 * t1);
+    const double turned_2 = turned * turned;
+    const double t2 = turned_2 - 1.0;
+    const double sense_2 = turned_2 * (t1 * t1);
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t2 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t2; /* (3.1) */
-    const double x_1_1 = s_12_1 * t2;
-    const double x_1_2 = s_12_2 * t2;
-    const double t3 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t3; /* (3.2) */
-    const double z_1_1 = t3 * (s_n_1 * sense);
-    const double z_1_2 = t3 * (s_n_2 * sense);
+    const double t3 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t3; /* (3.1) */
+    const double x_1_1 = s_12_1 * t3;
+    const double x_1_2 = s_12_2 * t3;
+    const double t4 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t4; /* (3.2) */
+    const double z_1_1 = t4 * (s_n_1 * sense);
+    const double z_1_2 = t4 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
     const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
     const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double t4 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
-    const double A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + slide[3] * lambda_2 * t4;
-    const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + t4 * (slide[2] * lambda_2);
+    const double t5 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
+    const double A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + slide[3] * lambda_2 * t5;
+    const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + t5 * (slide[2] * lambda_2);
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
     const double AB_2 = A * A + B * B;
     const double radicand_a = AB_2 - C * C;
-    const double t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
-    const double size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t4 * t4);
-    const double t6 = 1.0 / AB_2;
-    const double root = sqrt(radicand_a) * t6;
-    const double middle = C * t6;
-    const double t7 = A * middle;
-    const double t8 = B * root;
-    const double cos_1 = t7 + t8;
-    const double t9 = B * middle;
-    const double t10 = A * root;
-    const double sin_1 = t9 - t10;
-    const double q_2_1_0 = t4 * cos_1;
-    const double q_2_1_1 = t4 * (t10 - t9);
+    const double t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = t6 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t5 * t5);
+    const double t7 = 1.0 / AB_2;
+    const double root = sqrt(radicand_a) * t7;
+    const double middle = C * t7;
+    const double t8 = A * middle;
+    const double t9 = B * root;
+    const double cos_1 = t8 + t9;
+    const double t10 = B * middle;
+    const double t11 = A * root;
+    const double sin_1 = t10 - t11;
+    const double q_2_1_0 = t5 * cos_1;
+    const double q_2_1_1 = t5 * (t11 - t10);
     const double q_3_1_0 = r_3_0 * cos_1 + r_3_1 * sin_1;
     const double q_3_1_1 = r_3_1 * cos_1 - r_3_0 * sin_1;
     const double g_2_1 = slide[3] * q_2_1_0 - distance[1] - slide[2] * q_2_1_1;
     const double g_3_1 = slide[5] * q_3_1_0 - distance[2] - slide[4] * q_3_1_1;
-    const double t11 = slide[4] * distance[0];
-    const double t12 = lambda_1 * (slide[2] * g_3_1 - slide[4] * g_2_1) - lambda_2 * (t11 + slide[0] * g_3_1);
-    const double t13 = slide[2] * distance[0];
-    const double t14 = 1.0 / t5;
-    const double o_1_0 = (t12 + lambda_3 * (slide[0] * g_2_1 + t13)) * t14; /* Q^T (p - s_1) */
-    const double t15 = slide[5] * distance[0];
-    const double t16 = lambda_1 * (slide[3] * g_3_1 - slide[5] * g_2_1) - lambda_2 * (t15 + slide[1] * g_3_1);
-    const double t17 = slide[3] * distance[0];
-    const double o_1_1 = t14 * (t16 + lambda_3 * (slide[1] * g_2_1 + t17)); /* Q^T (p - s_1) */
+    const double t12 = slide[4] * distance[0];
+    const double t13 = lambda_1 * (slide[2] * g_3_1 - slide[4] * g_2_1) - lambda_2 * (t12 + slide[0] * g_3_1);
+    const double t14 = slide[2] * distance[0];
+    const double t15 = 1.0 / t6;
+    const double o_1_0 = (t13 + lambda_3 * (slide[0] * g_2_1 + t14)) * t15; /* Q^T (p - s_1) */
+    const double t16 = slide[5] * distance[0];
+    const double t17 = lambda_1 * (slide[3] * g_3_1 - slide[5] * g_2_1) - lambda_2 * (t16 + slide[1] * g_3_1);
+    const double t18 = slide[3] * distance[0];
+    const double o_1_1 = t15 * (t17 + lambda_3 * (slide[1] * g_2_1 + t18)); /* Q^T (p - s_1) */
     const double S_2_1_0 = q_2_1_0 - o_1_0; /* S_i in the platform frame */
     const double S_2_1_1 = q_2_1_1 - o_1_1;
     const double S_3_1_0 = q_3_1_0 - o_1_0;
     const double S_3_1_1 = q_3_1_1 - o_1_1;
-    const double cos_2 = t7 - t8;
-    const double sin_2 = t9 + t10;
-    const double q_2_2_0 = t4 * cos_2;
-    const double t18 = t4 * sin_2;
+    const double cos_2 = t8 - t9;
+    const double sin_2 = t10 + t11;
+    const double q_2_2_0 = t5 * cos_2;
+    const double t19 = t5 * sin_2;
     const double q_3_2_0 = r_3_0 * cos_2 + r_3_1 * sin_2;
     const double q_3_2_1 = r_3_1 * cos_2 - r_3_0 * sin_2;
-    const double g_2_2 = slide[3] * q_2_2_0 - distance[1] + slide[2] * t18;
+    const double g_2_2 = slide[3] * q_2_2_0 - distance[1] + slide[2] * t19;
     const double g_3_2 = slide[5] * q_3_2_0 - distance[2] - slide[4] * q_3_2_1;
-    const double t19 = lambda_1 * (slide[2] * g_3_2 - slide[4] * g_2_2) - lambda_2 * (t11 + slide[0] * g_3_2);
-    const double o_2_0 = t14 * (t19 + lambda_3 * (t13 + slide[0] * g_2_2)); /* Q^T (p - s_1) */
-    const double t20 = lambda_1 * (slide[3] * g_3_2 - slide[5] * g_2_2) - lambda_2 * (t15 + slide[1] * g_3_2);
-    const double o_2_1 = t14 * (t20 + lambda_3 * (t17 + slide[1] * g_2_2)); /* Q^T (p - s_1) */
+    const double t20 = lambda_1 * (slide[2] * g_3_2 - slide[4] * g_2_2) - lambda_2 * (t12 + slide[0] * g_3_2);
+    const double o_2_0 = t15 * (t20 + lambda_3 * (t14 + slide[0] * g_2_2)); /* Q^T (p - s_1) */
+    const double t21 = lambda_1 * (slide[3] * g_3_2 - slide[5] * g_2_2) - lambda_2 * (t16 + slide[1] * g_3_2);
+    const double o_2_1 = t15 * (t21 + lambda_3 * (t18 + slide[1] * g_2_2)); /* Q^T (p - s_1) */
     const double S_2_2_0 = q_2_2_0 - o_2_0; /* S_i in the platform frame */
-    const double t21 = t18 + o_2_1;
+    const double t22 = t19 + o_2_1;
     const double S_3_2_0 = q_3_2_0 - o_2_0; /* S_i in the platform frame */
     const double S_3_2_1 = q_3_2_1 - o_2_1;
-    const double t22 = cos_1 * o_1_0 - sin_1 * o_1_1;
-    const double t23 = cos_1 * o_1_1 + sin_1 * o_1_0;
-    const double t24 = cos_2 * o_2_0 - sin_2 * o_2_1;
-    const double t25 = cos_2 * o_2_1 + sin_2 * o_2_0;
-    const double t26 = slide[0] * o_1_0 + slide[1] * o_1_1;
-    const double t27 = slide[2] * S_2_1_0 + slide[3] * S_2_1_1;
-    const double t28 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
-    const double t29 = slide[0] * o_2_0 + slide[1] * o_2_1;
-    const double t30 = slide[2] * S_2_2_0;
-    const double t31 = slide[3] * t21;
-    const double t32 = slide[4] * S_3_2_0 + slide[5] * S_3_2_1;
-    const double t33 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0;
-    const double t34 = o_2_0 * t21 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0;
-    const double det_J_1 = (lambda_1 * t29 + lambda_2 * (t31 - t30) - lambda_3 * t32) * (t34 + t21 * S_3_2_0);
+    const double t23 = cos_1 * o_1_0 - sin_1 * o_1_1;
+    const double t24 = cos_1 * o_1_1 + sin_1 * o_1_0;
+    const double t25 = cos_2 * o_2_0 - sin_2 * o_2_1;
+    const double t26 = cos_2 * o_2_1 + sin_2 * o_2_0;
+    const double t27 = slide[0] * o_1_0 + slide[1] * o_1_1;
+    const double t28 = slide[2] * S_2_1_0 + slide[3] * S_2_1_1;
+    const double t29 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
+    const double t30 = slide[0] * o_2_0 + slide[1] * o_2_1;
+    const double t31 = slide[2] * S_2_2_0;
+    const double t32 = slide[3] * t22;
+    const double t33 = slide[4] * S_3_2_0 + slide[5] * S_3_2_1;
+    const double t34 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0;
+    const double t35 = o_2_0 * t22 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0;
+    const double det_J_1 = (lambda_1 * t30 + lambda_2 * (t32 - t31) - lambda_3 * t33) * (t35 + t22 * S_3_2_0);
+    sign[0] = 1.0 - t2 * t2;
     flatness[0] = flatness_0;
     breadth[0] = AB_2 / size;
     radicand[0] = radicand_a;
-    p[0] = s[0] + x_1_0 * t22 + y_1_0 * t23;
-    p[1] = s[1] + x_1_1 * t22 + y_1_1 * t23;
-    p[2] = s[2] + x_1_2 * t22 + y_1_2 * t23;
-    p[3] = s[0] + x_1_0 * t24 + y_1_0 * t25;
-    p[4] = s[1] + x_1_1 * t24 + y_1_1 * t25;
-    p[5] = s[2] + x_1_2 * t24 + y_1_2 * t25;
+    p[0] = s[0] + x_1_0 * t23 + y_1_0 * t24;
+    p[1] = s[1] + x_1_1 * t23 + y_1_1 * t24;
+    p[2] = s[2] + x_1_2 * t23 + y_1_2 * t24;
+    p[3] = s[0] + x_1_0 * t25 + y_1_0 * t26;
+    p[4] = s[1] + x_1_1 * t25 + y_1_1 * t26;
+    p[5] = s[2] + x_1_2 * t25 + y_1_2 * t26;
     Q[0] = x_1_0 * cos_1 + y_1_0 * sin_1;
     Q[1] = y_1_0 * cos_1 - x_1_0 * sin_1;
     Q[2] = z_1_0;
@@ -505,23 +508,24 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
     Q[15] = x_1_2 * cos_2 + y_1_2 * sin_2;
     Q[16] = y_1_2 * cos_2 - x_1_2 * sin_2;
     Q[17] = z_1_2;
-    redundant[0] = -(start[0] + t26);
-    redundant[1] = t27 - start[1];
-    redundant[2] = t28 - start[2];
-    redundant[3] = -(start[0] + t29);
-    redundant[4] = t30 - t31 - start[1];
-    redundant[5] = t32 - start[2];
-    det_J[0] = (lambda_1 * t26 - lambda_2 * t27 - lambda_3 * t28) * (t33 - S_2_1_1 * S_3_1_0);
+    redundant[0] = -(start[0] + t27);
+    redundant[1] = t28 - start[1];
+    redundant[2] = t29 - start[2];
+    redundant[3] = -(start[0] + t30);
+    redundant[4] = t31 - t32 - start[1];
+    redundant[5] = t33 - start[2];
+    det_J[0] = (lambda_1 * t27 - lambda_2 * t28 - lambda_3 * t29) * (t34 - S_2_1_1 * S_3_1_0);
     det_J[1] = det_J_1;
     *count = 2.0;
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
- * (2.21).  (84 add, 140 multiply, 7 divide, 3 square root) */
+ * (2.21).  (86 add, 140 multiply, 7 divide, 3 square root) */
 static inline void krhpr_platform_spatial_b_assembly_mode(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double side,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT redundant)
 {
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -560,40 +564,43 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
     const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + t3 * (slide[2] * lambda_2);
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
     const double AB_2 = A * A + B * B;
+    const double radicand_a = AB_2 - C * C;
     const double t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
     const double size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3);
     const double side_2 = side * side;
-    const double ratio = (AB_2 - C * C) / side_2;
-    const double t5 = 1.0 / AB_2;
-    const double root = sqrt(ratio) * t5;
-    const double middle = C * t5;
+    const double t5 = side_2 - 1.0;
+    const double ratio = radicand_a / side_2;
+    const double t6 = 1.0 / AB_2;
+    const double root = sqrt(ratio) * t6;
+    const double middle = C * t6;
     const double cos = A * middle + side * (B * root);
-    const double t6 = B * middle;
-    const double t7 = side * (A * root);
-    const double sin = t6 - t7;
+    const double t7 = B * middle;
+    const double t8 = side * (A * root);
+    const double sin = t7 - t8;
     const double q_2_0 = t3 * cos;
-    const double q_2_1 = t3 * (t7 - t6);
+    const double q_2_1 = t3 * (t8 - t7);
     const double q_3_0 = r_3_0 * cos + r_3_1 * sin;
     const double q_3_1 = r_3_1 * cos - r_3_0 * sin;
     const double g_2 = slide[3] * q_2_0 - distance[1] - slide[2] * q_2_1;
     const double g_3 = slide[5] * q_3_0 - distance[2] - slide[4] * q_3_1;
-    const double t8 = lambda_1 * (slide[2] * g_3 - slide[4] * g_2) - lambda_2 * (slide[4] * distance[0] + slide[0] * g_3);
-    const double t9 = 1.0 / t4;
-    const double o_0 = (t8 + lambda_3 * (slide[0] * g_2 + slide[2] * distance[0])) * t9; /* Q^T (p - s_1) */
-    const double t10 = lambda_1 * (slide[3] * g_3 - slide[5] * g_2) - lambda_2 * (slide[5] * distance[0] + slide[1] * g_3);
-    const double o_1 = t9 * (t10 + lambda_3 * (slide[1] * g_2 + slide[3] * distance[0])); /* Q^T (p - s_1) */
+    const double t9 = lambda_1 * (slide[2] * g_3 - slide[4] * g_2) - lambda_2 * (slide[4] * distance[0] + slide[0] * g_3);
+    const double t10 = 1.0 / t4;
+    const double o_0 = (t9 + lambda_3 * (slide[0] * g_2 + slide[2] * distance[0])) * t10; /* Q^T (p - s_1) */
+    const double t11 = lambda_1 * (slide[3] * g_3 - slide[5] * g_2) - lambda_2 * (slide[5] * distance[0] + slide[1] * g_3);
+    const double o_1 = t10 * (t11 + lambda_3 * (slide[1] * g_2 + slide[3] * distance[0])); /* Q^T (p - s_1) */
     const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
     const double S_2_1 = q_2_1 - o_1;
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
-    const double t11 = cos * o_0 - sin * o_1;
-    const double t12 = cos * o_1 + sin * o_0;
+    const double t12 = cos * o_0 - sin * o_1;
+    const double t13 = cos * o_1 + sin * o_0;
     flatness[0] = flatness_0;
     breadth[0] = AB_2 / size;
-    radicand[0] = side_2 * ratio;
-    p[0] = s[0] + x_1_0 * t11 + y_1_0 * t12;
-    p[1] = s[1] + x_1_1 * t11 + y_1_1 * t12;
-    p[2] = s[2] + x_1_2 * t11 + y_1_2 * t12;
+    radicand[0] = radicand_a;
+    sign[0] = 1.0 - t5 * t5;
+    p[0] = s[0] + x_1_0 * t12 + y_1_0 * t13;
+    p[1] = s[1] + x_1_1 * t12 + y_1_1 * t13;
+    p[2] = s[2] + x_1_2 * t12 + y_1_2 * t13;
     Q[0] = x_1_0 * cos + y_1_0 * sin;
     Q[1] = y_1_0 * cos - x_1_0 * sin;
     Q[2] = z_1_0;

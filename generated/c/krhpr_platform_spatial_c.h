@@ -344,13 +344,13 @@ static inline void krhpr_platform_spatial_c_tie(
     slide[1] = g->t[1];
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (115 add, 188
+/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (117 add, 189
  * multiply, 6 divide, 3 square root) */
 static inline void krhpr_platform_spatial_c_assembly_modes(
-    const double s[9], const double slide[6], double turned, double *KRHPR_RESTRICT flatness,
-    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
-    double *KRHPR_RESTRICT count)
+    const double s[9], const double slide[6], double turned, double *KRHPR_RESTRICT sign,
+    double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count)
 {
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -368,133 +368,136 @@ static inline void krhpr_platform_spatial_c_assembly_modes(
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double t1 = lambda_3 + (lambda_1 + lambda_2);
     const double sense = turned * t1; /* positive where the legs go round z_1 */
-    const double sense_2 = turned * turned * (t1 * t1);
+    const double turned_2 = turned * turned;
+    const double t2 = turned_2 - 1.0;
+    const double sense_2 = turned_2 * (t1 * t1);
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t2 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t2; /* (3.1) */
-    const double x_1_1 = s_12_1 * t2;
-    const double x_1_2 = s_12_2 * t2;
-    const double t3 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t3; /* (3.2) */
-    const double z_1_1 = t3 * (s_n_1 * sense);
-    const double z_1_2 = t3 * (s_n_2 * sense);
+    const double t3 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t3; /* (3.1) */
+    const double x_1_1 = s_12_1 * t3;
+    const double x_1_2 = s_12_2 * t3;
+    const double t4 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t4; /* (3.2) */
+    const double z_1_1 = t4 * (s_n_1 * sense);
+    const double z_1_2 = t4 * (s_n_2 * sense);
     const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
     const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
     const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
     const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
     const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double t4 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
-    const double t5 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
-    const double t6 = slide[3] * lambda_2 * t5;
-    const double A = t4 - t6;
-    const double t7 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + t5 * (slide[2] * lambda_2);
-    const double AB_2 = A * A + t7 * t7;
-    const double t8 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
-    const double size = t8 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t5 * t5);
+    const double t5 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
+    const double t6 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
+    const double t7 = slide[3] * lambda_2 * t6;
+    const double A = t5 - t7;
+    const double t8 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + t6 * (slide[2] * lambda_2);
+    const double AB_2 = A * A + t8 * t8;
+    const double t9 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
+    const double size = t9 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t6 * t6);
     const double root = 1.0 / sqrt(AB_2);
-    const double cos_1 = t7 * root;
+    const double cos_1 = t8 * root;
     const double sin_1 = A * root;
-    const double q_2_1_0 = t5 * cos_1;
-    const double t9 = t5 * sin_1;
-    const double t10 = r_3_0 * cos_1;
-    const double q_3_1_0 = t10 + r_3_1 * sin_1;
-    const double t11 = r_3_1 * cos_1;
-    const double q_3_1_1 = t11 - r_3_0 * sin_1;
-    const double t12 = slide[3] * q_2_1_0;
-    const double t13 = slide[2] * t9 + t12;
+    const double q_2_1_0 = t6 * cos_1;
+    const double t10 = t6 * sin_1;
+    const double t11 = r_3_0 * cos_1;
+    const double q_3_1_0 = t11 + r_3_1 * sin_1;
+    const double t12 = r_3_1 * cos_1;
+    const double q_3_1_1 = t12 - r_3_0 * sin_1;
+    const double t13 = slide[3] * q_2_1_0;
+    const double t14 = slide[2] * t10 + t13;
     const double g_3_1 = slide[4] * q_3_1_1 - slide[5] * q_3_1_0;
-    const double t14 = lambda_2 * g_3_1;
-    const double t15 = lambda_3 * t13;
-    const double t16 = slide[0] * t14 - lambda_1 * (slide[4] * t13 + slide[2] * g_3_1) + slide[0] * t15;
-    const double t17 = 1.0 / t8;
-    const double o_1_0 = t16 * t17; /* Q^T (p - s_1) */
-    const double t18 = slide[1] * t14 - lambda_1 * (slide[5] * t13 + slide[3] * g_3_1) + slide[1] * t15;
-    const double o_1_1 = t17 * t18; /* Q^T (p - s_1) */
+    const double t15 = lambda_2 * g_3_1;
+    const double t16 = lambda_3 * t14;
+    const double t17 = slide[0] * t15 - lambda_1 * (slide[4] * t14 + slide[2] * g_3_1) + slide[0] * t16;
+    const double t18 = 1.0 / t9;
+    const double o_1_0 = t17 * t18; /* Q^T (p - s_1) */
+    const double t19 = slide[1] * t15 - lambda_1 * (slide[5] * t14 + slide[3] * g_3_1) + slide[1] * t16;
+    const double o_1_1 = t18 * t19; /* Q^T (p - s_1) */
     const double S_2_1_0 = q_2_1_0 - o_1_0; /* S_i in the platform frame */
-    const double t19 = t9 + o_1_1;
+    const double t20 = t10 + o_1_1;
     const double S_3_1_0 = q_3_1_0 - o_1_0; /* S_i in the platform frame */
     const double S_3_1_1 = q_3_1_1 - o_1_1;
-    const double sin_2 = root * (t6 - t4);
-    const double t20 = t5 * sin_2;
-    const double q_3_2_0 = r_3_1 * sin_2 - t10;
-    const double t21 = t11 + r_3_0 * sin_2;
-    const double g_2_2 = t12 - slide[2] * t20;
-    const double t22 = slide[4] * t21 + slide[5] * q_3_2_0;
-    const double t23 = lambda_2 * t22;
-    const double t24 = lambda_3 * g_2_2;
-    const double t25 = lambda_1 * (slide[4] * g_2_2 + slide[2] * t22) - slide[0] * t23 - slide[0] * t24;
-    const double o_2_0 = t17 * t25; /* Q^T (p - s_1) */
-    const double t26 = lambda_1 * (slide[5] * g_2_2 + slide[3] * t22) - slide[1] * t23 - slide[1] * t24;
-    const double o_2_1 = t17 * t26; /* Q^T (p - s_1) */
-    const double t27 = q_2_1_0 + o_2_0;
-    const double t28 = t20 + o_2_1;
-    const double S_3_2_0 = q_3_2_0 - o_2_0; /* S_i in the platform frame */
+    const double sin_2 = root * (t7 - t5);
+    const double t21 = t6 * sin_2;
+    const double q_3_2_0 = r_3_1 * sin_2 - t11;
+    const double t22 = t12 + r_3_0 * sin_2;
+    const double g_2_2 = t13 - slide[2] * t21;
+    const double t23 = slide[4] * t22 + slide[5] * q_3_2_0;
+    const double t24 = lambda_2 * t23;
+    const double t25 = lambda_3 * g_2_2;
+    const double t26 = lambda_1 * (slide[4] * g_2_2 + slide[2] * t23) - slide[0] * t24 - slide[0] * t25;
+    const double o_2_0 = t18 * t26; /* Q^T (p - s_1) */
+    const double t27 = lambda_1 * (slide[5] * g_2_2 + slide[3] * t23) - slide[1] * t24 - slide[1] * t25;
+    const double o_2_1 = t18 * t27; /* Q^T (p - s_1) */
+    const double t28 = q_2_1_0 + o_2_0;
     const double t29 = t21 + o_2_1;
-    const double t30 = cos_1 * o_1_0 - sin_1 * o_1_1;
-    const double t31 = cos_1 * o_1_1 + sin_1 * o_1_0;
-    const double t32 = cos_1 * o_2_0 + sin_2 * o_2_1;
-    const double t33 = sin_2 * o_2_0 - cos_1 * o_2_1;
-    const double t34 = x_1_0 * cos_1;
-    const double t35 = y_1_0 * cos_1;
-    const double t36 = x_1_1 * cos_1;
-    const double t37 = y_1_1 * cos_1;
-    const double t38 = x_1_2 * cos_1;
-    const double t39 = y_1_2 * cos_1;
-    const double t40 = slide[0] * o_1_0 + slide[1] * o_1_1;
-    const double redundant_01 = slide[2] * S_2_1_0 - slide[3] * t19;
+    const double S_3_2_0 = q_3_2_0 - o_2_0; /* S_i in the platform frame */
+    const double t30 = t22 + o_2_1;
+    const double t31 = cos_1 * o_1_0 - sin_1 * o_1_1;
+    const double t32 = cos_1 * o_1_1 + sin_1 * o_1_0;
+    const double t33 = cos_1 * o_2_0 + sin_2 * o_2_1;
+    const double t34 = sin_2 * o_2_0 - cos_1 * o_2_1;
+    const double t35 = x_1_0 * cos_1;
+    const double t36 = y_1_0 * cos_1;
+    const double t37 = x_1_1 * cos_1;
+    const double t38 = y_1_1 * cos_1;
+    const double t39 = x_1_2 * cos_1;
+    const double t40 = y_1_2 * cos_1;
+    const double t41 = slide[0] * o_1_0 + slide[1] * o_1_1;
+    const double redundant_01 = slide[2] * S_2_1_0 - slide[3] * t20;
     const double redundant_02 = slide[4] * S_3_1_0 + slide[5] * S_3_1_1;
-    const double t41 = slide[0] * o_2_0 + slide[1] * o_2_1;
-    const double t42 = slide[2] * t27 + slide[3] * t28;
-    const double redundant_12 = slide[4] * S_3_2_0 - slide[5] * t29;
-    const double t43 = o_1_0 * t19 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0;
-    const double det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t40 + lambda_3 * redundant_02) * (t43 + t19 * S_3_1_0);
-    const double t44 = o_2_0 * t28 - o_2_1 * S_3_2_0 + t27 * t29 - o_2_0 * t29 - o_2_1 * t27 + t28 * S_3_2_0;
+    const double t42 = slide[0] * o_2_0 + slide[1] * o_2_1;
+    const double t43 = slide[2] * t28 + slide[3] * t29;
+    const double redundant_12 = slide[4] * S_3_2_0 - slide[5] * t30;
+    const double t44 = o_1_0 * t20 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0;
+    const double det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t41 + lambda_3 * redundant_02) * (t44 + t20 * S_3_1_0);
+    const double t45 = o_2_0 * t29 - o_2_1 * S_3_2_0 + t28 * t30 - o_2_0 * t30 - o_2_1 * t28 + t29 * S_3_2_0;
+    sign[0] = 1.0 - t2 * t2;
     flatness[0] = flatness_0;
     breadth[0] = AB_2 / size;
     radicand[0] = AB_2;
-    p[0] = s[0] + x_1_0 * t30 + y_1_0 * t31;
-    p[1] = s[1] + x_1_1 * t30 + y_1_1 * t31;
-    p[2] = s[2] + x_1_2 * t30 + y_1_2 * t31;
-    p[3] = s[0] - x_1_0 * t32 + y_1_0 * t33;
-    p[4] = s[1] - x_1_1 * t32 + y_1_1 * t33;
-    p[5] = s[2] - x_1_2 * t32 + y_1_2 * t33;
-    Q[0] = t34 + y_1_0 * sin_1;
-    Q[1] = t35 - x_1_0 * sin_1;
+    p[0] = s[0] + x_1_0 * t31 + y_1_0 * t32;
+    p[1] = s[1] + x_1_1 * t31 + y_1_1 * t32;
+    p[2] = s[2] + x_1_2 * t31 + y_1_2 * t32;
+    p[3] = s[0] - x_1_0 * t33 + y_1_0 * t34;
+    p[4] = s[1] - x_1_1 * t33 + y_1_1 * t34;
+    p[5] = s[2] - x_1_2 * t33 + y_1_2 * t34;
+    Q[0] = t35 + y_1_0 * sin_1;
+    Q[1] = t36 - x_1_0 * sin_1;
     Q[2] = z_1_0;
-    Q[3] = t36 + y_1_1 * sin_1;
-    Q[4] = t37 - x_1_1 * sin_1;
+    Q[3] = t37 + y_1_1 * sin_1;
+    Q[4] = t38 - x_1_1 * sin_1;
     Q[5] = z_1_1;
-    Q[6] = t38 + y_1_2 * sin_1;
-    Q[7] = t39 - x_1_2 * sin_1;
+    Q[6] = t39 + y_1_2 * sin_1;
+    Q[7] = t40 - x_1_2 * sin_1;
     Q[8] = z_1_2;
-    Q[9] = y_1_0 * sin_2 - t34;
-    Q[10] = -(t35 + x_1_0 * sin_2);
+    Q[9] = y_1_0 * sin_2 - t35;
+    Q[10] = -(t36 + x_1_0 * sin_2);
     Q[11] = z_1_0;
-    Q[12] = y_1_1 * sin_2 - t36;
-    Q[13] = -(t37 + x_1_1 * sin_2);
+    Q[12] = y_1_1 * sin_2 - t37;
+    Q[13] = -(t38 + x_1_1 * sin_2);
     Q[14] = z_1_1;
-    Q[15] = y_1_2 * sin_2 - t38;
-    Q[16] = -(t39 + x_1_2 * sin_2);
+    Q[15] = y_1_2 * sin_2 - t39;
+    Q[16] = -(t40 + x_1_2 * sin_2);
     Q[17] = z_1_2;
-    redundant[0] = -t40;
+    redundant[0] = -t41;
     redundant[1] = redundant_01;
     redundant[2] = redundant_02;
-    redundant[3] = -t41;
-    redundant[4] = -t42;
+    redundant[3] = -t42;
+    redundant[4] = -t43;
     redundant[5] = redundant_12;
     det_J[0] = det_J_0;
-    det_J[1] = (lambda_3 * redundant_12 - (lambda_1 * t41 + lambda_2 * t42)) * t44;
+    det_J[1] = (lambda_3 * redundant_12 - (lambda_1 * t42 + lambda_2 * t43)) * t45;
     *count = 2.0;
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.30),
- * (2.31).  (69 add, 126 multiply, 7 divide, 3 square root) */
+ * (2.31).  (71 add, 126 multiply, 7 divide, 3 square root) */
 static inline void krhpr_platform_spatial_c_assembly_mode(
     const double s[9], const double slide[6], double side, double *KRHPR_RESTRICT flatness,
-    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
 {
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -535,32 +538,34 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
     const double t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
     const double size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3);
     const double side_2 = side * side;
+    const double t6 = side_2 - 1.0;
     const double ratio = AB_2 / side_2;
     const double root = sqrt(ratio) / AB_2;
     const double cos = side * (t4 * root);
     const double sin = side * (A * root);
     const double q_2_0 = t3 * cos;
-    const double t6 = t3 * sin;
+    const double t7 = t3 * sin;
     const double q_3_0 = r_3_0 * cos + r_3_1 * sin;
     const double q_3_1 = r_3_1 * cos - r_3_0 * sin;
-    const double t7 = slide[2] * t6 + slide[3] * q_2_0;
+    const double t8 = slide[2] * t7 + slide[3] * q_2_0;
     const double g_3 = slide[4] * q_3_1 - slide[5] * q_3_0;
-    const double t8 = lambda_2 * g_3;
-    const double t9 = lambda_3 * t7;
-    const double t10 = 1.0 / t5;
-    const double o_0 = (slide[0] * t8 - lambda_1 * (slide[4] * t7 + slide[2] * g_3) + slide[0] * t9) * t10; /* Q^T (p - s_1) */
-    const double o_1 = t10 * (slide[1] * t8 - lambda_1 * (slide[5] * t7 + slide[3] * g_3) + slide[1] * t9);
+    const double t9 = lambda_2 * g_3;
+    const double t10 = lambda_3 * t8;
+    const double t11 = 1.0 / t5;
+    const double o_0 = (slide[0] * t9 - lambda_1 * (slide[4] * t8 + slide[2] * g_3) + slide[0] * t10) * t11; /* Q^T (p - s_1) */
+    const double o_1 = t11 * (slide[1] * t9 - lambda_1 * (slide[5] * t8 + slide[3] * g_3) + slide[1] * t10);
     const double S_2_0 = q_2_0 - o_0; /* S_i in the platform frame */
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
-    const double t11 = cos * o_0 - sin * o_1;
-    const double t12 = cos * o_1 + sin * o_0;
+    const double t12 = cos * o_0 - sin * o_1;
+    const double t13 = cos * o_1 + sin * o_0;
     flatness[0] = flatness_0;
     breadth[0] = AB_2 / size;
-    radicand[0] = side_2 * ratio;
-    p[0] = s[0] + x_1_0 * t11 + y_1_0 * t12;
-    p[1] = s[1] + x_1_1 * t11 + y_1_1 * t12;
-    p[2] = s[2] + x_1_2 * t11 + y_1_2 * t12;
+    radicand[0] = AB_2;
+    sign[0] = 1.0 - t6 * t6;
+    p[0] = s[0] + x_1_0 * t12 + y_1_0 * t13;
+    p[1] = s[1] + x_1_1 * t12 + y_1_1 * t13;
+    p[2] = s[2] + x_1_2 * t12 + y_1_2 * t13;
     Q[0] = x_1_0 * cos + y_1_0 * sin;
     Q[1] = y_1_0 * cos - x_1_0 * sin;
     Q[2] = z_1_0;
@@ -571,7 +576,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
     Q[7] = y_1_2 * cos - x_1_2 * sin;
     Q[8] = z_1_2;
     redundant[0] = -(slide[0] * o_0 + slide[1] * o_1);
-    redundant[1] = slide[2] * S_2_0 - slide[3] * (t6 + o_1);
+    redundant[1] = slide[2] * S_2_0 - slide[3] * (t7 + o_1);
     redundant[2] = slide[4] * S_3_0 + slide[5] * S_3_1;
 }
 

@@ -15,11 +15,12 @@
 
 #define KRHPR_ROOTS_DEGREE 8
 #define KRHPR_ROOTS_LEVELS 40
-#define KRHPR_ROOTS_INTERVALS 2048 /* more than any polynomial needs; a bound on the work */
+#define KRHPR_ROOTS_INTERVALS 1024 /* on a chart, more than any polynomial needs: a bound on the work */
 
 typedef struct {
     double b[KRHPR_ROOTS_DEGREE + 1]; /* Bernstein coefficients */
-    double low;                       /* lower end; the interval is 2^-level long */
+    double low;                       /* lower end */
+    double length;
     double error;                     /* what their rounding errors cannot exceed */
     int level;
     int ends[2];                      /* signs at the ends, 0 where a root is taken to lie; once known they do not change */
@@ -126,7 +127,7 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
     const int n = degree;
     const double unit = 1.1102230246251565e-16;
     double at_one = 0.0, at_minus = 0.0, sum = 0.0, ends[4];
-    int count = 0, intervals = 0;
+    int count = 0;
     *doubtful = 0;
     if (n < 2 || n > KRHPR_ROOTS_DEGREE) {
         return -1;
@@ -168,6 +169,7 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
             /* both charts that meet at T = 1 or -1 take the same value there */
             b[n] = ends[chart];
             stack[0].low = 0.0;
+            stack[0].length = 1.0;
             stack[0].level = 0;
         }
         {
@@ -200,9 +202,9 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
                 }
             }
         }
-        while (size > 0) {
+        for (int visit = 0; visit < KRHPR_ROOTS_INTERVALS && size > 0; ++visit) {
             krhpr_roots_interval *const here = &stack[size - 1];
-            const double length = ldexp(1.0, -here->level);
+            const double length = here->length;
             const int inside = krhpr_roots_inside(n, here);
             if (inside == 0) {
                 --size;
@@ -223,7 +225,7 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
                 for (int i = 0; i <= n; ++i) {
                     signs += krhpr_roots_sign(here->b[i], here->error) != 0;
                 }
-                if (signs == 0 || here->level == KRHPR_ROOTS_LEVELS || ++intervals > KRHPR_ROOTS_INTERVALS) {
+                if (signs == 0 || here->level == KRHPR_ROOTS_LEVELS) {
                     ++*doubtful;
                     --size;
                     continue;
@@ -256,6 +258,8 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
                 right->ends[0] = krhpr_roots_sign(work[0], next);
                 here->ends[1] = right->ends[0];
                 right->low = here->low + 0.5 * length;
+                right->length = 0.5 * length;
+                here->length = right->length;
                 ++size;
                 if (right->ends[0] == 0) {
                     const int before = krhpr_roots_sign(left[n - 1], next), after = krhpr_roots_sign(right->b[1], next);
@@ -272,6 +276,7 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
                 }
             }
         }
+        *doubtful += size; /* none, unless the bound on the work was reached */
     }
     return count;
 }

@@ -1125,11 +1125,11 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all(
     int status = KRHPR_OK;
     double anchor[6];
     double length[3];
+    double sign[1];
     double flatness[1];
     double points[6];
     double axes[9];
     double sextic[7];
-    double miss[1];
     double found[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
         krhpr_fill_nan(p, 18);
@@ -1143,7 +1143,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
     }
-    krhpr_platform_spatial_a_sextic(s, anchor, length, turned, flatness, points, axes, sextic);
+    krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
         double root_x[6];
         double root_y[6];
@@ -1170,11 +1170,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all(
             redundant_at[1] = root_tail[1];
             redundant_at[2] = root_tail[2];
             int place = kept;
-            for (; place > 0 && det_J[place - 1] > det_J_at[0]; --place) {
-                krhpr_copy(p + 3 * place, p + 3 * (place - 1), 3);
-                krhpr_copy(Q + 9 * place, Q + 9 * (place - 1), 9);
-                krhpr_copy(redundant + 3 * place, redundant + 3 * (place - 1), 3);
-                krhpr_copy(det_J + 1 * place, det_J + 1 * (place - 1), 1);
+            for (int below = kept - 1; below >= 0; --below) {
+                if (det_J[below] <= det_J_at[0]) {
+                    break;
+                }
+                krhpr_copy(p + 3 * (below + 1), p + 3 * below, 3);
+                krhpr_copy(Q + 9 * (below + 1), Q + 9 * below, 9);
+                krhpr_copy(redundant + 3 * (below + 1), redundant + 3 * below, 3);
+                krhpr_copy(det_J + 1 * (below + 1), det_J + 1 * below, 1);
+                place = below;
             }
             krhpr_copy(p + 3 * place, p_at, 3);
             krhpr_copy(Q + 9 * place, Q_at, 9);
@@ -1195,6 +1199,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all(
     }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
     }
     if (!(found[0] >= 1.0)) {
         status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;

@@ -1081,6 +1081,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_all(
     double slide[6];
     double distance[3];
     double start[3];
+    double sign[1];
     double flatness[1];
     double breadth[1];
     double radicand[1];
@@ -1096,7 +1097,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_all(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
-        s, slide, distance, start, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+        s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
@@ -1149,6 +1153,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward(
     double flatness[1];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (assembly == NULL) {
         assembly = assembly_default;
     }
@@ -1172,11 +1177,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
-        s, slide, distance, start, side, flatness, breadth, assembly_radicand, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
         }
+    }
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
     }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;

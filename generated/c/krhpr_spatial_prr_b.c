@@ -971,6 +971,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all(
     double slide[6];
     double distance[3];
     double start[3];
+    double sign[1];
     double flatness[1];
     double breadth[1];
     double radicand[1];
@@ -986,7 +987,10 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
-        s, slide, distance, start, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+        s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
@@ -1037,6 +1041,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward(
     double flatness[1];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (!(krhpr_taint(theta, 9) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1055,7 +1060,10 @@ KRHPR_API int krhpr_spatial_prr_b_forward(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
-        s, slide, distance, start, side, flatness, breadth, assembly_radicand, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }

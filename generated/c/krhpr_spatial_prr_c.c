@@ -963,6 +963,7 @@ KRHPR_API int krhpr_spatial_prr_c_forward_all(
 {
     int status = KRHPR_OK;
     double slide[6];
+    double sign[1];
     double flatness[1];
     double breadth[1];
     double radicand[1];
@@ -978,7 +979,10 @@ KRHPR_API int krhpr_spatial_prr_c_forward_all(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
-        s, slide, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+        s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
@@ -1027,6 +1031,7 @@ KRHPR_API int krhpr_spatial_prr_c_forward(
     double flatness[1];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (!(krhpr_taint(theta, 9) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1045,7 +1050,10 @@ KRHPR_API int krhpr_spatial_prr_c_forward(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
-        s, slide, side, flatness, breadth, assembly_radicand, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }

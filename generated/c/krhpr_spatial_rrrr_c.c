@@ -1175,6 +1175,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all(
 {
     int status = KRHPR_OK;
     double slide[6];
+    double sign[1];
     double flatness[1];
     double breadth[1];
     double radicand[1];
@@ -1190,7 +1191,10 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
-        s, slide, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+        s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
@@ -1240,6 +1244,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
     double flatness[1];
     double breadth[1];
     double assembly_radicand[1];
+    double sign[1];
     if (!(krhpr_taint(theta, 12) + krhpr_taint(&side, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1258,7 +1263,10 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
-        s, slide, side, flatness, breadth, assembly_radicand, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }

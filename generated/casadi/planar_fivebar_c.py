@@ -625,7 +625,8 @@ def forward(geometry: Any) -> Any:
         slide_i = platform.tie(platform.prepare(fields))
         s += s_i
         slide += slide_i
-    _breadth, _assembly_radicand, p, phi, redundant = platform.assembly_mode(s, slide, call.whole("side"))
+    _breadth, _assembly_radicand, _sign, p, phi, redundant = platform.assembly_mode(
+            s, slide, call.whole("side"))
     return call.function({"p": p, "phi": phi, "redundant": redundant})
 
 

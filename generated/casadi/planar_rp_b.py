@@ -626,7 +626,7 @@ def forward(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _breadth, _assembly_radicand, p, phi, redundant = platform.assembly_mode(
+    _breadth, _assembly_radicand, _sign, p, phi, redundant = platform.assembly_mode(
             s, slide, distance, start, call.whole("side"))
     return call.function({"p": p, "phi": phi, "redundant": redundant})
 

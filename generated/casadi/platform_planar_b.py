@@ -446,7 +446,7 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any) -> tuple[Any, 
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.8).  (56 add, 84 multiply, 4 divide, 1 square root, 1 arctangent)"""
+    (2.8).  (58 add, 84 multiply, 4 divide, 1 square root, 1 arctangent)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -463,13 +463,15 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     t1 = lambda_2 * (slide_10 * s_12_0 + slide_11 * s_12_1) + lambda_3 * (slide_20 * s_13_0 + slide_21 * s_13_1)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + t1 * t1
+    radicand_a = AB_2 - C * C
     t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
     size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
     side_2 = side * side
-    ratio = (AB_2 - C * C) / side_2
-    t3 = 1 / AB_2
-    root = ca.sqrt(ratio) * t3
-    middle = C * t3
+    t3 = side_2 - 1
+    ratio = radicand_a / side_2
+    t4 = 1 / AB_2
+    root = ca.sqrt(ratio) * t4
+    middle = C * t4
     cos = A * middle + side * (t1 * root)
     sin = side * (A * root) - t1 * middle
     q_2_0 = s_12_0 * cos + s_12_1 * sin
@@ -478,11 +480,11 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     q_3_1 = s_13_1 * cos - s_13_0 * sin
     g_2 = slide_10 * q_2_1 - distance_1 - slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - distance_2 - slide_21 * q_3_0
-    t4 = lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + lambda_2 * (slide_00 * g_3 + slide_20 * distance_0)
-    t5 = 1 / t2
-    o_0 = (t4 - lambda_3 * (slide_10 * distance_0 + slide_00 * g_2)) * t5  # Q^T (p - s_1)
-    t6 = lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + lambda_2 * (slide_01 * g_3 + slide_21 * distance_0)
-    o_1 = t5 * (t6 - lambda_3 * (slide_11 * distance_0 + slide_01 * g_2))  # Q^T (p - s_1)
+    t5 = lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + lambda_2 * (slide_00 * g_3 + slide_20 * distance_0)
+    t6 = 1 / t2
+    o_0 = (t5 - lambda_3 * (slide_10 * distance_0 + slide_00 * g_2)) * t6  # Q^T (p - s_1)
+    t7 = lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + lambda_2 * (slide_01 * g_3 + slide_21 * distance_0)
+    o_1 = t6 * (t7 - lambda_3 * (slide_11 * distance_0 + slide_01 * g_2))  # Q^T (p - s_1)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
@@ -492,7 +494,10 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
             AB_2 / size,
         ),
         (  # radicand
-            side_2 * ratio,
+            radicand_a,
+        ),
+        (  # sign
+            1 - t3 * t3,
         ),
         (  # p
             s_00 + cos * o_0 - sin * o_1,

@@ -408,7 +408,7 @@ def assembly_modes(s: Any, slide: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.13).  (42 add, 70 multiply, 4 divide, 1 square root, 1 arctangent)"""
+    (2.13).  (44 add, 70 multiply, 4 divide, 1 square root, 1 arctangent)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
@@ -425,6 +425,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
     size = t2 * (s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1)
     side_2 = side * side
+    t3 = side_2 - 1
     ratio = AB_2 / side_2
     root = ca.sqrt(ratio) / AB_2
     cos = side * (t1 * root)
@@ -435,11 +436,11 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     q_3_1 = s_13_1 * cos - s_13_0 * sin
     g_2 = slide_10 * q_2_1 - slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
-    t3 = lambda_2 * g_3
-    t4 = lambda_3 * g_2
-    t5 = 1 / t2
-    o_0 = (lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + slide_00 * t3 - slide_00 * t4) * t5  # Q^T (p - s_1)
-    o_1 = t5 * (lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + slide_01 * t3 - slide_01 * t4)
+    t4 = lambda_2 * g_3
+    t5 = lambda_3 * g_2
+    t6 = 1 / t2
+    o_0 = (lambda_1 * (slide_20 * g_2 - slide_10 * g_3) + slide_00 * t4 - slide_00 * t5) * t6  # Q^T (p - s_1)
+    o_1 = t6 * (lambda_1 * (slide_21 * g_2 - slide_11 * g_3) + slide_01 * t4 - slide_01 * t5)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
@@ -449,7 +450,10 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
             AB_2 / size,
         ),
         (  # radicand
-            side_2 * ratio,
+            AB_2,
+        ),
+        (  # sign
+            1 - t3 * t3,
         ),
         (  # p
             s_00 + cos * o_0 - sin * o_1,

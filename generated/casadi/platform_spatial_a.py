@@ -480,7 +480,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     """The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).
-    (125 add, 177 multiply, 3 divide, 2 square root)"""
+    (127 add, 178 multiply, 3 divide, 2 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -504,18 +504,20 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     t2 = d_2_1 * d_3_0
     t3 = t1 - t2
     sense = turned * t3  # positive where the legs go round z_1
-    sense_2 = turned * turned * (t3 * t3)
+    turned_2 = turned * turned
+    t4 = turned_2 - 1
+    sense_2 = turned_2 * (t3 * t3)
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t4 = 1 / v_1
-    x_1_0 = s_12_0 * t4  # (3.1)
-    x_1_1 = s_12_1 * t4
-    x_1_2 = s_12_2 * t4
-    t5 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t5  # (3.2)
-    z_1_1 = t5 * (s_n_1 * sense)
-    z_1_2 = t5 * (s_n_2 * sense)
+    t5 = 1 / v_1
+    x_1_0 = s_12_0 * t5  # (3.1)
+    x_1_1 = s_12_1 * t5
+    x_1_2 = s_12_2 * t5
+    t6 = 1 / ca.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t6  # (3.2)
+    z_1_1 = t6 * (s_n_1 * sense)
+    z_1_2 = t6 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
@@ -530,43 +532,43 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     s_23 = d_2_0 * r_3_1 - d_2_1 * r_3_0
     s_32 = points_10 * (anchor_01 - anchor_21)
     s_33 = d_3_0 * r_3_1 - d_3_1 * r_3_0
-    t6 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10
-    t7 = c_22 * 2
-    z2_0 = t6 - t7
+    t7 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10
+    t8 = c_22 * 2
+    z2_0 = t7 - t8
     e2_1 = s_22_a * 4
-    z2_2 = t6 + t7
-    t8 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1
-    t9 = c_33 * 2
-    z3_0 = t8 - t9
+    z2_2 = t7 + t8
+    t9 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1
+    t10 = c_33 * 2
+    z3_0 = t9 - t10
     e3_1 = s_33 * 4
-    z3_2 = t8 + t9
-    t10 = length_1 * length_1
-    t11 = length_0 * length_0
-    e2_0 = t10 - z2_0 - t11
-    e2_2 = t10 - z2_2 - t11
-    t12 = length_2 * length_2
-    e3_0 = t12 - z3_0 - t11
-    e3_2 = t12 - z3_2 - t11
-    t13 = d_2_0 * d_3_0
-    t14 = d_2_1 * d_3_1
-    t15 = r_3_0 * points_10
-    w_0 = t13 + t14 + t15 - c_23 - c_32
-    t16 = s_23 * 2 + s_32 * 2
-    w_2 = t15 + (t14 + (t13 + (c_23 + c_32)))
-    t17 = r_3_1 * points_10
-    D_0 = t1 + s_32 + t17 - s_23 - t2
+    z3_2 = t9 + t10
+    t11 = length_1 * length_1
+    t12 = length_0 * length_0
+    e2_0 = t11 - z2_0 - t12
+    e2_2 = t11 - z2_2 - t12
+    t13 = length_2 * length_2
+    e3_0 = t13 - z3_0 - t12
+    e3_2 = t13 - z3_2 - t12
+    t14 = d_2_0 * d_3_0
+    t15 = d_2_1 * d_3_1
+    t16 = r_3_0 * points_10
+    w_0 = t14 + t15 + t16 - c_23 - c_32
+    t17 = s_23 * 2 + s_32 * 2
+    w_2 = t16 + (t15 + (t14 + (c_23 + c_32)))
+    t18 = r_3_1 * points_10
+    D_0 = t1 + s_32 + t18 - s_23 - t2
     D_1 = c_23 * 2 - c_32 * 2
-    D_2 = t17 + (t1 + s_23) - s_32 - t2
+    D_2 = t18 + (t1 + s_23) - s_32 - t2
     e22_0 = e2_0 * e2_0
-    t18 = 2 * e2_0
-    e22_1 = e2_1 * t18
-    e22_2 = e2_1 * e2_1 + e2_2 * t18
+    t19 = 2 * e2_0
+    e22_1 = e2_1 * t19
+    e22_2 = e2_1 * e2_1 + e2_2 * t19
     e22_3 = e2_2 * (2 * e2_1)
     e22_4 = e2_2 * e2_2
     e33_0 = e3_0 * e3_0
-    t19 = 2 * e3_0
-    e33_1 = e3_1 * t19
-    e33_2 = e3_1 * e3_1 + e3_2 * t19
+    t20 = 2 * e3_0
+    e33_1 = e3_1 * t20
+    e33_2 = e3_1 * e3_1 + e3_2 * t20
     e33_3 = e3_2 * (2 * e3_1)
     e33_4 = e3_2 * e3_2
     e23_0 = e2_0 * e3_0
@@ -575,23 +577,26 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     e23_3 = e2_1 * e3_2 + e3_1 * e2_2
     e23_4 = e2_2 * e3_2
     DD_0 = D_0 * D_0
-    t20 = 2 * D_0
-    DD_1 = D_1 * t20
-    DD_2 = D_1 * D_1 + D_2 * t20
+    t21 = 2 * D_0
+    DD_1 = D_1 * t21
+    DD_2 = D_1 * D_1 + D_2 * t21
     DD_3 = D_2 * (2 * D_1)
     DD_4 = D_2 * D_2
-    t21 = 2 * e23_0
-    t22 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t11 * (4 * DD_1) + t16 * t21
-    t23 = 2 * e23_1
-    t24 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2
-    t25 = 4 * t11
-    t26 = 2 * e23_2
-    t27 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3
-    t28 = 2 * e23_3
-    t29 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4
-    t30 = 2 * e23_4
-    t31 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t11 * (4 * DD_3) - w_2 * t28
+    t22 = 2 * e23_0
+    t23 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t12 * (4 * DD_1) + t17 * t22
+    t24 = 2 * e23_1
+    t25 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2
+    t26 = 4 * t12
+    t27 = 2 * e23_2
+    t28 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3
+    t29 = 2 * e23_3
+    t30 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4
+    t31 = 2 * e23_4
+    t32 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t12 * (4 * DD_3) - w_2 * t29
     return (
+        (  # sign
+            1 - t4 * t4,
+        ),
         (  # flatness
             flatness_0,
         ),
@@ -615,13 +620,13 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
             z_1_2,
         ),
         (  # sextic
-            z3_0 * e22_0 + z2_0 * e33_0 - t11 * (4 * DD_0) - w_0 * t21,
-            t22 - w_0 * t23,
-            t24 - t25 * (DD_0 + DD_2) - w_2 * t21 + t16 * t23 - w_0 * t26,
-            t27 - t25 * (DD_1 + DD_3) - w_2 * t23 + t16 * t26 - w_0 * t28,
-            t29 - t25 * (DD_2 + DD_4) - w_2 * t26 + t16 * t28 - w_0 * t30,
-            t31 + t16 * t30,
-            z3_2 * e22_4 + z2_2 * e33_4 - t11 * (4 * DD_4) - w_2 * t30,
+            z3_0 * e22_0 + z2_0 * e33_0 - t12 * (4 * DD_0) - w_0 * t22,
+            t23 - w_0 * t24,
+            t25 - t26 * (DD_0 + DD_2) - w_2 * t22 + t17 * t24 - w_0 * t27,
+            t28 - t26 * (DD_1 + DD_3) - w_2 * t24 + t17 * t27 - w_0 * t29,
+            t30 - t26 * (DD_2 + DD_4) - w_2 * t27 + t17 * t29 - w_0 * t31,
+            t32 + t17 * t31,
+            z3_2 * e22_4 + z2_2 * e33_4 - t12 * (4 * DD_4) - w_2 * t31,
         ),
     )
 

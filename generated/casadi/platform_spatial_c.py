@@ -411,8 +411,8 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 
 def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
-    """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (115 add,
-    188 multiply, 6 divide, 3 square root)"""
+    """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (117 add,
+    189 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     turned, = turned
@@ -432,90 +432,95 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = lambda_3 + (lambda_1 + lambda_2)
     sense = turned * t1  # positive where the legs go round z_1
-    sense_2 = turned * turned * (t1 * t1)
+    turned_2 = turned * turned
+    t2 = turned_2 - 1
+    sense_2 = turned_2 * (t1 * t1)
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t3  # (3.2)
-    z_1_1 = t3 * (s_n_1 * sense)
-    z_1_2 = t3 * (s_n_2 * sense)
+    t3 = 1 / v_1
+    x_1_0 = s_12_0 * t3  # (3.1)
+    x_1_1 = s_12_1 * t3
+    x_1_2 = s_12_2 * t3
+    t4 = 1 / ca.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t4  # (3.2)
+    z_1_1 = t4 * (s_n_1 * sense)
+    z_1_2 = t4 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t4 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
-    t5 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    t6 = slide_11 * lambda_2 * t5
-    A = t4 - t6
-    t7 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t5 * (slide_10 * lambda_2)
-    AB_2 = A * A + t7 * t7
-    t8 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t8 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t5 * t5)
+    t5 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
+    t6 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    t7 = slide_11 * lambda_2 * t6
+    A = t5 - t7
+    t8 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t6 * (slide_10 * lambda_2)
+    AB_2 = A * A + t8 * t8
+    t9 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t9 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t6 * t6)
     root = 1 / ca.sqrt(AB_2)
-    cos_1 = t7 * root
+    cos_1 = t8 * root
     sin_1 = A * root
-    q_2_1_0 = t5 * cos_1
-    t9 = t5 * sin_1
-    t10 = r_3_0 * cos_1
-    q_3_1_0 = t10 + r_3_1 * sin_1
-    t11 = r_3_1 * cos_1
-    q_3_1_1 = t11 - r_3_0 * sin_1
-    t12 = slide_11 * q_2_1_0
-    t13 = slide_10 * t9 + t12
+    q_2_1_0 = t6 * cos_1
+    t10 = t6 * sin_1
+    t11 = r_3_0 * cos_1
+    q_3_1_0 = t11 + r_3_1 * sin_1
+    t12 = r_3_1 * cos_1
+    q_3_1_1 = t12 - r_3_0 * sin_1
+    t13 = slide_11 * q_2_1_0
+    t14 = slide_10 * t10 + t13
     g_3_1 = slide_20 * q_3_1_1 - slide_21 * q_3_1_0
-    t14 = lambda_2 * g_3_1
-    t15 = lambda_3 * t13
-    t16 = slide_00 * t14 - lambda_1 * (slide_20 * t13 + slide_10 * g_3_1) + slide_00 * t15
-    t17 = 1 / t8
-    o_1_0 = t16 * t17  # Q^T (p - s_1)
-    t18 = slide_01 * t14 - lambda_1 * (slide_21 * t13 + slide_11 * g_3_1) + slide_01 * t15
-    o_1_1 = t17 * t18  # Q^T (p - s_1)
+    t15 = lambda_2 * g_3_1
+    t16 = lambda_3 * t14
+    t17 = slide_00 * t15 - lambda_1 * (slide_20 * t14 + slide_10 * g_3_1) + slide_00 * t16
+    t18 = 1 / t9
+    o_1_0 = t17 * t18  # Q^T (p - s_1)
+    t19 = slide_01 * t15 - lambda_1 * (slide_21 * t14 + slide_11 * g_3_1) + slide_01 * t16
+    o_1_1 = t18 * t19  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
-    t19 = t9 + o_1_1
+    t20 = t10 + o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0  # S_i in the platform frame
     S_3_1_1 = q_3_1_1 - o_1_1
-    sin_2 = root * (t6 - t4)
-    t20 = t5 * sin_2
-    q_3_2_0 = r_3_1 * sin_2 - t10
-    t21 = t11 + r_3_0 * sin_2
-    g_2_2 = t12 - slide_10 * t20
-    t22 = slide_20 * t21 + slide_21 * q_3_2_0
-    t23 = lambda_2 * t22
-    t24 = lambda_3 * g_2_2
-    t25 = lambda_1 * (slide_20 * g_2_2 + slide_10 * t22) - slide_00 * t23 - slide_00 * t24
-    o_2_0 = t17 * t25  # Q^T (p - s_1)
-    t26 = lambda_1 * (slide_21 * g_2_2 + slide_11 * t22) - slide_01 * t23 - slide_01 * t24
-    o_2_1 = t17 * t26  # Q^T (p - s_1)
-    t27 = q_2_1_0 + o_2_0
-    t28 = t20 + o_2_1
-    S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
+    sin_2 = root * (t7 - t5)
+    t21 = t6 * sin_2
+    q_3_2_0 = r_3_1 * sin_2 - t11
+    t22 = t12 + r_3_0 * sin_2
+    g_2_2 = t13 - slide_10 * t21
+    t23 = slide_20 * t22 + slide_21 * q_3_2_0
+    t24 = lambda_2 * t23
+    t25 = lambda_3 * g_2_2
+    t26 = lambda_1 * (slide_20 * g_2_2 + slide_10 * t23) - slide_00 * t24 - slide_00 * t25
+    o_2_0 = t18 * t26  # Q^T (p - s_1)
+    t27 = lambda_1 * (slide_21 * g_2_2 + slide_11 * t23) - slide_01 * t24 - slide_01 * t25
+    o_2_1 = t18 * t27  # Q^T (p - s_1)
+    t28 = q_2_1_0 + o_2_0
     t29 = t21 + o_2_1
-    t30 = cos_1 * o_1_0 - sin_1 * o_1_1
-    t31 = cos_1 * o_1_1 + sin_1 * o_1_0
-    t32 = cos_1 * o_2_0 + sin_2 * o_2_1
-    t33 = sin_2 * o_2_0 - cos_1 * o_2_1
-    t34 = x_1_0 * cos_1
-    t35 = y_1_0 * cos_1
-    t36 = x_1_1 * cos_1
-    t37 = y_1_1 * cos_1
-    t38 = x_1_2 * cos_1
-    t39 = y_1_2 * cos_1
-    t40 = slide_00 * o_1_0 + slide_01 * o_1_1
-    redundant_01 = slide_10 * S_2_1_0 - slide_11 * t19
+    S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
+    t30 = t22 + o_2_1
+    t31 = cos_1 * o_1_0 - sin_1 * o_1_1
+    t32 = cos_1 * o_1_1 + sin_1 * o_1_0
+    t33 = cos_1 * o_2_0 + sin_2 * o_2_1
+    t34 = sin_2 * o_2_0 - cos_1 * o_2_1
+    t35 = x_1_0 * cos_1
+    t36 = y_1_0 * cos_1
+    t37 = x_1_1 * cos_1
+    t38 = y_1_1 * cos_1
+    t39 = x_1_2 * cos_1
+    t40 = y_1_2 * cos_1
+    t41 = slide_00 * o_1_0 + slide_01 * o_1_1
+    redundant_01 = slide_10 * S_2_1_0 - slide_11 * t20
     redundant_02 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t41 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t42 = slide_10 * t27 + slide_11 * t28
-    redundant_12 = slide_20 * S_3_2_0 - slide_21 * t29
-    t43 = o_1_0 * t19 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
-    det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t40 + lambda_3 * redundant_02) * (t43 + t19 * S_3_1_0)
-    t44 = o_2_0 * t28 - o_2_1 * S_3_2_0 + t27 * t29 - o_2_0 * t29 - o_2_1 * t27 + t28 * S_3_2_0
+    t42 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t43 = slide_10 * t28 + slide_11 * t29
+    redundant_12 = slide_20 * S_3_2_0 - slide_21 * t30
+    t44 = o_1_0 * t20 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
+    det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t41 + lambda_3 * redundant_02) * (t44 + t20 * S_3_1_0)
+    t45 = o_2_0 * t29 - o_2_1 * S_3_2_0 + t28 * t30 - o_2_0 * t30 - o_2_1 * t28 + t29 * S_3_2_0
     return (
+        (  # sign
+            1 - t2 * t2,
+        ),
         (  # flatness
             flatness_0,
         ),
@@ -526,44 +531,44 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
             AB_2,
         ),
         (  # p
-            s_00 + x_1_0 * t30 + y_1_0 * t31,
-            s_01 + x_1_1 * t30 + y_1_1 * t31,
-            s_02 + x_1_2 * t30 + y_1_2 * t31,
-            s_00 - x_1_0 * t32 + y_1_0 * t33,
-            s_01 - x_1_1 * t32 + y_1_1 * t33,
-            s_02 - x_1_2 * t32 + y_1_2 * t33,
+            s_00 + x_1_0 * t31 + y_1_0 * t32,
+            s_01 + x_1_1 * t31 + y_1_1 * t32,
+            s_02 + x_1_2 * t31 + y_1_2 * t32,
+            s_00 - x_1_0 * t33 + y_1_0 * t34,
+            s_01 - x_1_1 * t33 + y_1_1 * t34,
+            s_02 - x_1_2 * t33 + y_1_2 * t34,
         ),
         (  # Q
-            t34 + y_1_0 * sin_1,
-            t35 - x_1_0 * sin_1,
+            t35 + y_1_0 * sin_1,
+            t36 - x_1_0 * sin_1,
             z_1_0,
-            t36 + y_1_1 * sin_1,
-            t37 - x_1_1 * sin_1,
+            t37 + y_1_1 * sin_1,
+            t38 - x_1_1 * sin_1,
             z_1_1,
-            t38 + y_1_2 * sin_1,
-            t39 - x_1_2 * sin_1,
+            t39 + y_1_2 * sin_1,
+            t40 - x_1_2 * sin_1,
             z_1_2,
-            y_1_0 * sin_2 - t34,
-            -(t35 + x_1_0 * sin_2),
+            y_1_0 * sin_2 - t35,
+            -(t36 + x_1_0 * sin_2),
             z_1_0,
-            y_1_1 * sin_2 - t36,
-            -(t37 + x_1_1 * sin_2),
+            y_1_1 * sin_2 - t37,
+            -(t38 + x_1_1 * sin_2),
             z_1_1,
-            y_1_2 * sin_2 - t38,
-            -(t39 + x_1_2 * sin_2),
+            y_1_2 * sin_2 - t39,
+            -(t40 + x_1_2 * sin_2),
             z_1_2,
         ),
         (  # redundant
-            -t40,
+            -t41,
             redundant_01,
             redundant_02,
-            -t41,
             -t42,
+            -t43,
             redundant_12,
         ),
         (  # det_J
             det_J_0,
-            (lambda_3 * redundant_12 - (lambda_1 * t41 + lambda_2 * t42)) * t44,
+            (lambda_3 * redundant_12 - (lambda_1 * t42 + lambda_2 * t43)) * t45,
         ),
         (  # count
             2,
@@ -573,7 +578,7 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.30), (2.31).  (69 add, 126 multiply, 7 divide, 3 square root)"""
+    (2.30), (2.31).  (71 add, 126 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
@@ -616,26 +621,27 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
     size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3)
     side_2 = side * side
+    t6 = side_2 - 1
     ratio = AB_2 / side_2
     root = ca.sqrt(ratio) / AB_2
     cos = side * (t4 * root)
     sin = side * (A * root)
     q_2_0 = t3 * cos
-    t6 = t3 * sin
+    t7 = t3 * sin
     q_3_0 = r_3_0 * cos + r_3_1 * sin
     q_3_1 = r_3_1 * cos - r_3_0 * sin
-    t7 = slide_10 * t6 + slide_11 * q_2_0
+    t8 = slide_10 * t7 + slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
-    t8 = lambda_2 * g_3
-    t9 = lambda_3 * t7
-    t10 = 1 / t5
-    o_0 = (slide_00 * t8 - lambda_1 * (slide_20 * t7 + slide_10 * g_3) + slide_00 * t9) * t10  # Q^T (p - s_1)
-    o_1 = t10 * (slide_01 * t8 - lambda_1 * (slide_21 * t7 + slide_11 * g_3) + slide_01 * t9)
+    t9 = lambda_2 * g_3
+    t10 = lambda_3 * t8
+    t11 = 1 / t5
+    o_0 = (slide_00 * t9 - lambda_1 * (slide_20 * t8 + slide_10 * g_3) + slide_00 * t10) * t11  # Q^T (p - s_1)
+    o_1 = t11 * (slide_01 * t9 - lambda_1 * (slide_21 * t8 + slide_11 * g_3) + slide_01 * t10)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
-    t11 = cos * o_0 - sin * o_1
-    t12 = cos * o_1 + sin * o_0
+    t12 = cos * o_0 - sin * o_1
+    t13 = cos * o_1 + sin * o_0
     return (
         (  # flatness
             flatness_0,
@@ -644,12 +650,15 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
             AB_2 / size,
         ),
         (  # radicand
-            side_2 * ratio,
+            AB_2,
+        ),
+        (  # sign
+            1 - t6 * t6,
         ),
         (  # p
-            s_00 + x_1_0 * t11 + y_1_0 * t12,
-            s_01 + x_1_1 * t11 + y_1_1 * t12,
-            s_02 + x_1_2 * t11 + y_1_2 * t12,
+            s_00 + x_1_0 * t12 + y_1_0 * t13,
+            s_01 + x_1_1 * t12 + y_1_1 * t13,
+            s_02 + x_1_2 * t12 + y_1_2 * t13,
         ),
         (  # Q
             x_1_0 * cos + y_1_0 * sin,
@@ -664,7 +673,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
         ),
         (  # redundant
             -(slide_00 * o_0 + slide_01 * o_1),
-            slide_10 * S_2_0 - slide_11 * (t6 + o_1),
+            slide_10 * S_2_0 - slide_11 * (t7 + o_1),
             slide_20 * S_3_0 + slide_21 * S_3_1,
         ),
     )

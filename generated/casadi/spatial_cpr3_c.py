@@ -583,7 +583,7 @@ def forward_all(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         slide_i = platform.tie(platform.prepare(fields))
         slide += slide_i
-    _flatness, _breadth, _radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
+    _sign, _flatness, _breadth, _radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             call.whole("s"), slide, call.whole("turned"))
     return call.function({"p": p, "Q": Q, "redundant": redundant, "det_J": det_J, "count": count})
 

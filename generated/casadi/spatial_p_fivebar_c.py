@@ -608,7 +608,7 @@ def forward_all(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         slide_i = platform.tie(platform.prepare(fields))
         slide += slide_i
-    _flatness, _breadth, _radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
+    _sign, _flatness, _breadth, _radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             call.whole("s"), slide, call.whole("turned"))
     return call.function({"p": p, "Q": Q, "redundant": redundant, "det_J": det_J, "count": count})
 
@@ -638,7 +638,7 @@ def forward(geometry: Any) -> Any:
         slide_i = platform.tie(platform.prepare(fields))
         s += s_i
         slide += slide_i
-    _flatness, _breadth, _assembly_radicand, p, Q, redundant = platform.assembly_mode(
+    _flatness, _breadth, _assembly_radicand, _sign, p, Q, redundant = platform.assembly_mode(
             s, slide, call.whole("side"))
     return call.function({"p": p, "Q": Q, "redundant": redundant})
 

@@ -607,7 +607,7 @@ def forward_all(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _flatness, _breadth, _radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
+    _sign, _flatness, _breadth, _radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             call.whole("s"), slide, distance, start, call.whole("turned"))
     return call.function({"p": p, "Q": Q, "redundant": redundant, "det_J": det_J, "count": count})
 
@@ -640,7 +640,7 @@ def forward(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _flatness, _breadth, _assembly_radicand, p, Q, redundant = platform.assembly_mode(
+    _flatness, _breadth, _assembly_radicand, _sign, p, Q, redundant = platform.assembly_mode(
             s, slide, distance, start, call.whole("side"))
     return call.function({"p": p, "Q": Q, "redundant": redundant})
 

@@ -1414,7 +1414,7 @@ def forward(
     with rt.quiet():
         s, radicand = subleg.forward(g.subleg, arguments.leg("theta"), arguments.leg("assembly"))
         slide, distance, start = platform.tie(g.platform)
-        breadth, assembly_radicand, p, phi, redundant = platform.assembly_mode(
+        breadth, assembly_radicand, sign, p, phi, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), rt.legs(distance), rt.legs(start), arguments.whole("side"))
         results = arguments.finish(
             {
@@ -1424,6 +1424,7 @@ def forward(
             },
             (
                 rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("p", "phi", "redundant", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "redundant", )),
                 rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", )),
             ),

@@ -1342,7 +1342,7 @@ def forward(
     with rt.quiet():
         s = subleg.forward(g.subleg, arguments.leg("theta"))
         slide = platform.tie(g.platform)
-        breadth, assembly_radicand, p, phi, redundant = platform.assembly_mode(
+        breadth, assembly_radicand, sign, p, phi, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), arguments.whole("side"))
         results = arguments.finish(
             {
@@ -1351,6 +1351,7 @@ def forward(
                 "redundant": redundant,
             },
             (
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "redundant", )),
                 rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", )),
             ),

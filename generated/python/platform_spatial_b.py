@@ -437,8 +437,8 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 
 def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -> tuple[Any, ...]:
-    """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (141 add,
-    213 multiply, 6 divide, 3 square root)"""
+    """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (143 add,
+    214 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -460,90 +460,95 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = lambda_3 + (lambda_1 + lambda_2)
     sense = turned * t1  # positive where the legs go round z_1
-    sense_2 = turned * turned * (t1 * t1)
+    turned_2 = turned * turned
+    t2 = turned_2 - 1
+    sense_2 = turned_2 * (t1 * t1)
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / np.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t3  # (3.2)
-    z_1_1 = t3 * (s_n_1 * sense)
-    z_1_2 = t3 * (s_n_2 * sense)
+    t3 = 1 / v_1
+    x_1_0 = s_12_0 * t3  # (3.1)
+    x_1_1 = s_12_1 * t3
+    x_1_2 = s_12_2 * t3
+    t4 = 1 / np.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t4  # (3.2)
+    z_1_1 = t4 * (s_n_1 * sense)
+    z_1_2 = t4 * (s_n_2 * sense)
     y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
     y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
     y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
     r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
     r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t4 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + slide_11 * lambda_2 * t4
-    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t4 * (slide_10 * lambda_2)
+    t5 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + slide_11 * lambda_2 * t5
+    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t5 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
     radicand_a = AB_2 - C * C
-    t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t4 * t4)
-    t6 = 1 / AB_2
-    root = np.sqrt(radicand_a) * t6
-    middle = C * t6
-    t7 = A * middle
-    t8 = B * root
-    cos_1 = t7 + t8
-    t9 = B * middle
-    t10 = A * root
-    sin_1 = t9 - t10
-    q_2_1_0 = t4 * cos_1
-    q_2_1_1 = t4 * (t10 - t9)
+    t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t6 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t5 * t5)
+    t7 = 1 / AB_2
+    root = np.sqrt(radicand_a) * t7
+    middle = C * t7
+    t8 = A * middle
+    t9 = B * root
+    cos_1 = t8 + t9
+    t10 = B * middle
+    t11 = A * root
+    sin_1 = t10 - t11
+    q_2_1_0 = t5 * cos_1
+    q_2_1_1 = t5 * (t11 - t10)
     q_3_1_0 = r_3_0 * cos_1 + r_3_1 * sin_1
     q_3_1_1 = r_3_1 * cos_1 - r_3_0 * sin_1
     g_2_1 = slide_11 * q_2_1_0 - distance_1 - slide_10 * q_2_1_1
     g_3_1 = slide_21 * q_3_1_0 - distance_2 - slide_20 * q_3_1_1
-    t11 = slide_20 * distance_0
-    t12 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t11 + slide_00 * g_3_1)
-    t13 = slide_10 * distance_0
-    t14 = 1 / t5
-    o_1_0 = (t12 + lambda_3 * (slide_00 * g_2_1 + t13)) * t14  # Q^T (p - s_1)
-    t15 = slide_21 * distance_0
-    t16 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t15 + slide_01 * g_3_1)
-    t17 = slide_11 * distance_0
-    o_1_1 = t14 * (t16 + lambda_3 * (slide_01 * g_2_1 + t17))  # Q^T (p - s_1)
+    t12 = slide_20 * distance_0
+    t13 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t12 + slide_00 * g_3_1)
+    t14 = slide_10 * distance_0
+    t15 = 1 / t6
+    o_1_0 = (t13 + lambda_3 * (slide_00 * g_2_1 + t14)) * t15  # Q^T (p - s_1)
+    t16 = slide_21 * distance_0
+    t17 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t16 + slide_01 * g_3_1)
+    t18 = slide_11 * distance_0
+    o_1_1 = t15 * (t17 + lambda_3 * (slide_01 * g_2_1 + t18))  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
     S_2_1_1 = q_2_1_1 - o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0
     S_3_1_1 = q_3_1_1 - o_1_1
-    cos_2 = t7 - t8
-    sin_2 = t9 + t10
-    q_2_2_0 = t4 * cos_2
-    t18 = t4 * sin_2
+    cos_2 = t8 - t9
+    sin_2 = t10 + t11
+    q_2_2_0 = t5 * cos_2
+    t19 = t5 * sin_2
     q_3_2_0 = r_3_0 * cos_2 + r_3_1 * sin_2
     q_3_2_1 = r_3_1 * cos_2 - r_3_0 * sin_2
-    g_2_2 = slide_11 * q_2_2_0 - distance_1 + slide_10 * t18
+    g_2_2 = slide_11 * q_2_2_0 - distance_1 + slide_10 * t19
     g_3_2 = slide_21 * q_3_2_0 - distance_2 - slide_20 * q_3_2_1
-    t19 = lambda_1 * (slide_10 * g_3_2 - slide_20 * g_2_2) - lambda_2 * (t11 + slide_00 * g_3_2)
-    o_2_0 = t14 * (t19 + lambda_3 * (t13 + slide_00 * g_2_2))  # Q^T (p - s_1)
-    t20 = lambda_1 * (slide_11 * g_3_2 - slide_21 * g_2_2) - lambda_2 * (t15 + slide_01 * g_3_2)
-    o_2_1 = t14 * (t20 + lambda_3 * (t17 + slide_01 * g_2_2))  # Q^T (p - s_1)
+    t20 = lambda_1 * (slide_10 * g_3_2 - slide_20 * g_2_2) - lambda_2 * (t12 + slide_00 * g_3_2)
+    o_2_0 = t15 * (t20 + lambda_3 * (t14 + slide_00 * g_2_2))  # Q^T (p - s_1)
+    t21 = lambda_1 * (slide_11 * g_3_2 - slide_21 * g_2_2) - lambda_2 * (t16 + slide_01 * g_3_2)
+    o_2_1 = t15 * (t21 + lambda_3 * (t18 + slide_01 * g_2_2))  # Q^T (p - s_1)
     S_2_2_0 = q_2_2_0 - o_2_0  # S_i in the platform frame
-    t21 = t18 + o_2_1
+    t22 = t19 + o_2_1
     S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
     S_3_2_1 = q_3_2_1 - o_2_1
-    t22 = cos_1 * o_1_0 - sin_1 * o_1_1
-    t23 = cos_1 * o_1_1 + sin_1 * o_1_0
-    t24 = cos_2 * o_2_0 - sin_2 * o_2_1
-    t25 = cos_2 * o_2_1 + sin_2 * o_2_0
-    t26 = slide_00 * o_1_0 + slide_01 * o_1_1
-    t27 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
-    t28 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t29 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t30 = slide_10 * S_2_2_0
-    t31 = slide_11 * t21
-    t32 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
-    t33 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
-    t34 = o_2_0 * t21 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0
-    det_J_1 = (lambda_1 * t29 + lambda_2 * (t31 - t30) - lambda_3 * t32) * (t34 + t21 * S_3_2_0)
+    t23 = cos_1 * o_1_0 - sin_1 * o_1_1
+    t24 = cos_1 * o_1_1 + sin_1 * o_1_0
+    t25 = cos_2 * o_2_0 - sin_2 * o_2_1
+    t26 = cos_2 * o_2_1 + sin_2 * o_2_0
+    t27 = slide_00 * o_1_0 + slide_01 * o_1_1
+    t28 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
+    t29 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
+    t30 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t31 = slide_10 * S_2_2_0
+    t32 = slide_11 * t22
+    t33 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
+    t34 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
+    t35 = o_2_0 * t22 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0
+    det_J_1 = (lambda_1 * t30 + lambda_2 * (t32 - t31) - lambda_3 * t33) * (t35 + t22 * S_3_2_0)
     return (
+        (  # sign
+            1 - t2 * t2,
+        ),
         (  # flatness
             flatness_0,
         ),
@@ -554,12 +559,12 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
             radicand_a,
         ),
         (  # p
-            s_00 + x_1_0 * t22 + y_1_0 * t23,
-            s_01 + x_1_1 * t22 + y_1_1 * t23,
-            s_02 + x_1_2 * t22 + y_1_2 * t23,
-            s_00 + x_1_0 * t24 + y_1_0 * t25,
-            s_01 + x_1_1 * t24 + y_1_1 * t25,
-            s_02 + x_1_2 * t24 + y_1_2 * t25,
+            s_00 + x_1_0 * t23 + y_1_0 * t24,
+            s_01 + x_1_1 * t23 + y_1_1 * t24,
+            s_02 + x_1_2 * t23 + y_1_2 * t24,
+            s_00 + x_1_0 * t25 + y_1_0 * t26,
+            s_01 + x_1_1 * t25 + y_1_1 * t26,
+            s_02 + x_1_2 * t25 + y_1_2 * t26,
         ),
         (  # Q
             x_1_0 * cos_1 + y_1_0 * sin_1,
@@ -582,15 +587,15 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
             z_1_2,
         ),
         (  # redundant
-            -(start_0 + t26),
-            t27 - start_1,
-            t28 - start_2,
-            -(start_0 + t29),
-            t30 - t31 - start_1,
-            t32 - start_2,
+            -(start_0 + t27),
+            t28 - start_1,
+            t29 - start_2,
+            -(start_0 + t30),
+            t31 - t32 - start_1,
+            t33 - start_2,
         ),
         (  # det_J
-            (lambda_1 * t26 - lambda_2 * t27 - lambda_3 * t28) * (t33 - S_2_1_1 * S_3_1_0),
+            (lambda_1 * t27 - lambda_2 * t28 - lambda_3 * t29) * (t34 - S_2_1_1 * S_3_1_0),
             det_J_1,
         ),
         (  # count
@@ -601,7 +606,7 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.19), (2.21).  (84 add, 140 multiply, 7 divide, 3 square root)"""
+    (2.19), (2.21).  (86 add, 140 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -644,34 +649,36 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t3 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
+    radicand_a = AB_2 - C * C
     t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
     size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3)
     side_2 = side * side
-    ratio = (AB_2 - C * C) / side_2
-    t5 = 1 / AB_2
-    root = np.sqrt(ratio) * t5
-    middle = C * t5
+    t5 = side_2 - 1
+    ratio = radicand_a / side_2
+    t6 = 1 / AB_2
+    root = np.sqrt(ratio) * t6
+    middle = C * t6
     cos = A * middle + side * (B * root)
-    t6 = B * middle
-    t7 = side * (A * root)
-    sin = t6 - t7
+    t7 = B * middle
+    t8 = side * (A * root)
+    sin = t7 - t8
     q_2_0 = t3 * cos
-    q_2_1 = t3 * (t7 - t6)
+    q_2_1 = t3 * (t8 - t7)
     q_3_0 = r_3_0 * cos + r_3_1 * sin
     q_3_1 = r_3_1 * cos - r_3_0 * sin
     g_2 = slide_11 * q_2_0 - distance_1 - slide_10 * q_2_1
     g_3 = slide_21 * q_3_0 - distance_2 - slide_20 * q_3_1
-    t8 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
-    t9 = 1 / t4
-    o_0 = (t8 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t9  # Q^T (p - s_1)
-    t10 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
-    o_1 = t9 * (t10 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
+    t9 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
+    t10 = 1 / t4
+    o_0 = (t9 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t10  # Q^T (p - s_1)
+    t11 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
+    o_1 = t10 * (t11 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
-    t11 = cos * o_0 - sin * o_1
-    t12 = cos * o_1 + sin * o_0
+    t12 = cos * o_0 - sin * o_1
+    t13 = cos * o_1 + sin * o_0
     return (
         (  # flatness
             flatness_0,
@@ -680,12 +687,15 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
             AB_2 / size,
         ),
         (  # radicand
-            side_2 * ratio,
+            radicand_a,
+        ),
+        (  # sign
+            1 - t5 * t5,
         ),
         (  # p
-            s_00 + x_1_0 * t11 + y_1_0 * t12,
-            s_01 + x_1_1 * t11 + y_1_1 * t12,
-            s_02 + x_1_2 * t11 + y_1_2 * t12,
+            s_00 + x_1_0 * t12 + y_1_0 * t13,
+            s_01 + x_1_1 * t12 + y_1_1 * t13,
+            s_02 + x_1_2 * t12 + y_1_2 * t13,
         ),
         (  # Q
             x_1_0 * cos + y_1_0 * sin,

@@ -19,7 +19,7 @@ import numpy as np
 
 DEGREES = range(2, 9)
 LEVELS = 40
-INTERVALS = 2048
+INTERVALS = 1024
 """More halvings than any polynomial needs; a bound on the work."""
 UNIT = 2.0**-53
 

@@ -1419,7 +1419,7 @@ def forward_all(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
+        sign, flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             arguments.whole("s"), rt.legs(slide), arguments.whole("turned"))
         results = arguments.finish(
             {
@@ -1430,6 +1430,7 @@ def forward_all(
                 "count": count,
             },
             (
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
@@ -1470,7 +1471,7 @@ def forward(
             lambda at: subleg.forward_step(g.subleg, arguments.leg("theta"), at), arguments.leg("s_near"),
             1e-20, 25)
         slide = platform.tie(g.platform)
-        flatness, breadth, assembly_radicand, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, sign, p, Q, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), arguments.whole("side"))
         results = arguments.finish(
             {
@@ -1480,6 +1481,7 @@ def forward(
             },
             (
                 rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
                 rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),

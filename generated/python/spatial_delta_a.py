@@ -1414,7 +1414,7 @@ def forward_all(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         anchor, length = platform.tie(g.platform)
-        flatness, points, axes, sextic = platform.sextic(
+        sign, flatness, points, axes, sextic = platform.sextic(
             arguments.whole("s"), rt.legs(anchor), rt.legs(length), arguments.whole("turned"))
         p, Q, redundant, det_J, count, doubtful, found = rt.at_roots(
             lambda root: platform.assembly(root, arguments.whole("s"), rt.legs(anchor), rt.legs(length), points, axes),
@@ -1430,6 +1430,7 @@ def forward_all(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "det_J", ), ("count", "doubtful", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", "doubtful", )),
                 rt.Guard(found[0], True, 1.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", "doubtful", )),
             ),
         )

@@ -1420,7 +1420,7 @@ def forward_all(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
+        sign, flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             arguments.whole("s"), rt.legs(slide), arguments.whole("turned"))
         results = arguments.finish(
             {
@@ -1431,6 +1431,7 @@ def forward_all(
                 "count": count,
             },
             (
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
@@ -1469,7 +1470,7 @@ def forward(
     with rt.quiet():
         s, radicand = subleg.forward(g.subleg, arguments.leg("theta"), arguments.leg("s_near"))
         slide = platform.tie(g.platform)
-        flatness, breadth, assembly_radicand, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, sign, p, Q, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), arguments.whole("side"))
         results = arguments.finish(
             {
@@ -1479,6 +1480,7 @@ def forward(
             },
             (
                 rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("p", "Q", "redundant", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
                 rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),

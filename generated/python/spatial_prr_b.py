@@ -1353,7 +1353,7 @@ def forward_all(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
+        sign, flatness, breadth, radicand, p, Q, redundant, det_J, count = platform.assembly_modes(
             arguments.whole("s"), rt.legs(slide), rt.legs(distance), rt.legs(start),
             arguments.whole("turned"))
         results = arguments.finish(
@@ -1365,6 +1365,7 @@ def forward_all(
                 "count": count,
             },
             (
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
                 rt.Guard(radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "det_J", ), ("count", )),
@@ -1400,7 +1401,7 @@ def forward(
     with rt.quiet():
         s = subleg.forward(g.subleg, arguments.leg("theta"))
         slide, distance, start = platform.tie(g.platform)
-        flatness, breadth, assembly_radicand, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, sign, p, Q, redundant = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), rt.legs(distance), rt.legs(start), arguments.whole("side"))
         results = arguments.finish(
             {
@@ -1409,6 +1410,7 @@ def forward(
                 "redundant": redundant,
             },
             (
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
                 rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
                 rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),

@@ -263,6 +263,8 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
                     f"{function.name}: {call.part}.{call.kernel} reads {wanted!r} before it is made"
                 )
         for port in kernel.outputs:
+            if call.each is not None and port.name == call.each.miss:
+                continue  # of one root, and looked at there
             name = call.variable_out(port.name)
             kind = "output" if name in outputs else "local"
             found[name] = Variable(name, outputs.get(name, port), call.stage is Stage.LEG, kind)

@@ -46,6 +46,7 @@ EXACT = 0.0
 BALL = 1e-60
 """Enclosures of 300 bits equal to this: what has roots or arctangents in it."""
 
+ROOTS = 1e-9
 ROUNDING = 1e-13
 """A function in doubles."""
 ROUND_TRIP = 1e-11

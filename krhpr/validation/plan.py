@@ -16,6 +16,7 @@ from krhpr.validation.check import (
     BALL,
     EXACT,
     FIRST,
+    ROOTS,
     ROUND_TRIP,
     ROUNDING,
     SECOND,
@@ -52,6 +53,8 @@ KINDS = {
 REASONS = {
     EXACT: "rational numbers: rational operations, and sines and cosines of rational angles, are not rounded",
     BALL: "300-bit ball arithmetic, where roots and arctangents occur: enclosures are narrower than 1e-80",
+    ROOTS: "roundings of 1e-16 over the distance between two roots of a polynomial, which is a millionth "
+    "where they are not yet in doubt",
     ROUNDING: "some hundred roundings of 1e-16, relative to the scale of the output, in configurations whose "
     "singular factors are above 0.1",
     ROUND_TRIP: "the same through several functions, times the condition of matrices inverted on the way; "
@@ -228,7 +231,7 @@ def _agreement(robot: RobotCode) -> Iterator[Check]:
                     robot.identifier,
                     function.name,
                     target,
-                    ROUNDING,
+                    ROUNDING if function.each is None else ROOTS,
                     Samples(60, 2000),
                     f"{target} and NumPy agree; where they do not, a ball evaluation says which one is off.",
                     "against NumPy",

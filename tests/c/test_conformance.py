@@ -17,14 +17,15 @@ SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
 
 # What a robot may ask of the system: functions of math.h (sincos is how gcc calls sin and cos of one angle;
 # copysign is a call only without optimisation), and what compilers put in for loops that copy or clear.
-ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "copysign", "memset", "memcpy"}
+ALLOWED = {"sin", "cos", "sincos", "atan2", "sqrt", "floor", "copysign", "memset", "memcpy", "memmove"}
 POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 
 # Loops count upwards to a constant, or to a count that the caller gives; iterations may end before.
 LOOP = re.compile(
-    r"for \((?:int|ptrdiff_t) (\w+) = \w+; \1 < (?:\d+|KRHPR_LANES|n|\(ptrdiff_t\)count)"
-    r"(?: && !\(change\[i\] <= [\de.-]+\))?; "
-    r"(?:\+\+\1|\1 \+= KRHPR_LANES)\)"
+    r"for \((?:int|ptrdiff_t) (\w+) = \w+(?: - 1)?; "
+    r"(?:\1 <=? (?:\d+|KRHPR_LANES|KRHPR_ROOTS_INTERVALS|n|n - pass|roots|\(ptrdiff_t\)count)"
+    r"(?: && !\(change\[i\] <= [\de.-]+\)| && size > 0)?; (?:\+\+\1|\1 \+= KRHPR_LANES)"
+    r"|\1 >= (?:0|pass); --\1)\)"
 )
 FORBIDDEN = re.compile(
     r"\b(while|goto|setjmp|longjmp|alloca|malloc|calloc|realloc|free|pow|volatile|extern(?! \"C\"))\b"

@@ -22,12 +22,18 @@ MAY_BE_NAN = (
 )
 
 
+def may_be_nan(robot: str) -> tuple[str, ...]:
+    """Results that may be NaN in part with status OK: arrangement (a) has two to six poses of six places."""
+    padded = ("p", "Q", "phi", "redundant", "det_J") if robot.endswith("_a") else ()
+    return (*MAY_BE_NAN, *(f"forward_all.{name}" for name in padded))
+
+
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
     if not full and COMPILERS[len(robot) % 2] != compiler and robot != THOROUGH[0]:
         pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
     binary = build("hostile.c", robot, compiler, "-O1" if large(robot, full) else "-O0", "-g", *SANITIZE)
-    run([binary, "100000" if large(robot, full) else "2000", *MAY_BE_NAN])
+    run([binary, "100000" if large(robot, full) else "2000", *may_be_nan(robot)])
 
 
 def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build, full: bool) -> None:
@@ -36,7 +42,7 @@ def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Buil
         pytest.skip("large samples only")
     flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-tree-slp-vectorize")
     known = flags if compiler == "gcc" else flags[:-1]
-    run([build("hostile.c", robot, compiler, *known), "100000", *MAY_BE_NAN])
+    run([build("hostile.c", robot, compiler, *known), "100000", *may_be_nan(robot)])
 
 
 BROKEN = {
@@ -79,4 +85,4 @@ def test_a_broken_promise_is_seen(what: str, build: Build, tmp_path: Path) -> No
     spoilt.write_text(text.replace(good, bad))
     binary = build("hostile.c", robot, "gcc", "-O0", *SANITIZE, folder=folder)
     with pytest.raises(AssertionError, match=said):
-        run([binary, "500", *MAY_BE_NAN])
+        run([binary, "500", *may_be_nan(robot)])

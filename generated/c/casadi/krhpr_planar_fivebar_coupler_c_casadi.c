@@ -1169,6 +1169,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual slide[6];
     krhpr_dual breadth[1];
     krhpr_dual assembly_radicand[1];
+    krhpr_dual sign[1];
     double assembly[3];
     krhpr_casadi_values(3, given + 6, assembly);
     for (int i = 0; i < 3; ++i) {
@@ -1178,7 +1179,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode_tangent(
-        s, slide, side, breadth, assembly_radicand, p, phi, redundant);
+        s, slide, side, breadth, assembly_radicand, sign, p, phi, redundant);
 }
 
 static const krhpr_casadi_slot in_forward[] = {

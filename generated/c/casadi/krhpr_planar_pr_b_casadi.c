@@ -1126,12 +1126,13 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual start[3];
     krhpr_dual breadth[1];
     krhpr_dual assembly_radicand[1];
+    krhpr_dual sign[1];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
         krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_assembly_mode_tangent(
-        s, slide, distance, start, side, breadth, assembly_radicand, p, phi, redundant);
+        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, phi, redundant);
 }
 
 static const krhpr_casadi_slot in_forward[] = {

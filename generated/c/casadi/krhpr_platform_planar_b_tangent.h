@@ -634,12 +634,13 @@ static inline void krhpr_platform_planar_b_assembly_modes_tangent(
     }
 }
 
-/* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).  (200
+/* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).  (202
  * add, 255 multiply, 8 divide, 1 square root, 1 arctangent) */
 static inline void krhpr_platform_planar_b_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *distance, const krhpr_dual *start,
     const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT radicand,
-    krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant)
+    krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
+    krhpr_dual *KRHPR_RESTRICT redundant)
 {
     const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
     const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
@@ -656,47 +657,50 @@ static inline void krhpr_platform_planar_b_assembly_mode_tangent(
     const double h5 = lambda_2 * h3 + lambda_3 * h4;
     const double C = distance[0].v * lambda_1 + distance[1].v * lambda_2 + distance[2].v * lambda_3;
     const double AB_2 = A * A + h5 * h5;
+    const double radicand_a = AB_2 - C * C;
     const double h7 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3;
     const double h6 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_13_0 * s_13_0 + s_13_1 * s_13_1;
     const double size = h7 * h6;
     const double breadth_0 = AB_2 / size;
     const double side_2 = side[0].v * side[0].v;
-    const double ratio = (AB_2 - C * C) / side_2;
-    const double h12 = sqrt(ratio);
-    const double h11 = 1.0 / AB_2;
-    const double root = h12 * h11;
-    const double middle = C * h11;
-    const double h13 = h5 * root;
-    const double cos = A * middle + side[0].v * h13;
-    const double h14 = A * root;
-    const double sin = side[0].v * h14 - h5 * middle;
+    const double h9 = side_2 - 1.0;
+    const double ratio = radicand_a / side_2;
+    const double h13 = sqrt(ratio);
+    const double h12 = 1.0 / AB_2;
+    const double root = h13 * h12;
+    const double middle = C * h12;
+    const double h14 = h5 * root;
+    const double cos = A * middle + side[0].v * h14;
+    const double h15 = A * root;
+    const double sin = side[0].v * h15 - h5 * middle;
     const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
     const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
     const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
     const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
     const double g_2 = slide[2].v * q_2_1 - distance[1].v - slide[3].v * q_2_0;
     const double g_3 = slide[4].v * q_3_1 - distance[2].v - slide[5].v * q_3_0;
-    const double h15 = slide[4].v * g_2 - slide[2].v * g_3;
-    const double h16 = slide[0].v * g_3 + slide[4].v * distance[0].v;
-    const double h17 = slide[2].v * distance[0].v + slide[0].v * g_2;
-    const double h19 = lambda_1 * h15 + lambda_2 * h16 - lambda_3 * h17;
-    const double h18 = 1.0 / h7;
-    const double o_0 = h19 * h18;
-    const double h20 = slide[5].v * g_2 - slide[3].v * g_3;
-    const double h21 = slide[1].v * g_3 + slide[5].v * distance[0].v;
-    const double h22 = slide[3].v * distance[0].v + slide[1].v * g_2;
-    const double h23 = lambda_1 * h20 + lambda_2 * h21 - lambda_3 * h22;
-    const double o_1 = h18 * h23;
+    const double h16 = slide[4].v * g_2 - slide[2].v * g_3;
+    const double h17 = slide[0].v * g_3 + slide[4].v * distance[0].v;
+    const double h18 = slide[2].v * distance[0].v + slide[0].v * g_2;
+    const double h20 = lambda_1 * h16 + lambda_2 * h17 - lambda_3 * h18;
+    const double h19 = 1.0 / h7;
+    const double o_0 = h20 * h19;
+    const double h21 = slide[5].v * g_2 - slide[3].v * g_3;
+    const double h22 = slide[1].v * g_3 + slide[5].v * distance[0].v;
+    const double h23 = slide[3].v * distance[0].v + slide[1].v * g_2;
+    const double h24 = lambda_1 * h21 + lambda_2 * h22 - lambda_3 * h23;
+    const double o_1 = h19 * h24;
     const double S_2_0 = q_2_0 - o_0;
     const double S_2_1 = q_2_1 - o_1;
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
     const double h8 = 1.0 / size;
-    const double h9 = 1.0 / side_2;
-    const double h10 = 1.0 / h12;
-    const double h24 = 1.0 / (cos * cos + sin * sin);
+    const double h10 = 1.0 / side_2;
+    const double h11 = 1.0 / h13;
+    const double h25 = 1.0 / (cos * cos + sin * sin);
     breadth[0].v = breadth_0;
-    radicand[0].v = side_2 * ratio;
+    radicand[0].v = radicand_a;
+    sign[0].v = 1.0 - h9 * h9;
     p[0].v = s[0].v + cos * o_0 - sin * o_1;
     p[1].v = s[1].v + cos * o_1 + sin * o_0;
     phi[0].v = krhpr_atan2(sin, cos);
@@ -723,51 +727,53 @@ static inline void krhpr_platform_planar_b_assembly_mode_tangent(
         const double t17 = h5 * t13;
         const double t18 = t16 + t16 + (t17 + t17);
         const double t19 = C * t15;
-        const double t20 = lambda_1 * t1;
-        const double t21 = lambda_2 * t2;
-        const double t22 = lambda_3 * t3;
-        const double t23 = t20 + t20 + (t21 + t21) + (t22 + t22);
-        const double t24 = s_12_0 * t4;
-        const double t25 = s_12_1 * t5;
-        const double t26 = s_13_0 * t6;
-        const double t27 = s_13_1 * t7;
-        const double t28 = breadth_0 * (h6 * t23 + h7 * (t24 + t24 + (t25 + t25) + (t26 + t26) + (t27 + t27)));
-        const double t29 = side[0].v * side[0].t[k];
-        const double t30 = ratio * (t29 + t29);
-        const double t31 = h9 * (t18 - (t19 + t19) - t30);
-        const double t32 = h11 * (h11 * t18);
-        const double t33 = h11 * (h10 * (0.5 * t31)) - h12 * t32;
-        const double t34 = h11 * t15 - C * t32;
-        const double t35 = middle * t10 + A * t34 + (h13 * side[0].t[k] + side[0].v * (root * t13 + h5 * t33));
-        const double t36 = h14 * side[0].t[k] + side[0].v * (root * t10 + A * t33) - (middle * t13 + h5 * t34);
-        const double t37 = cos * t4 + s_12_0 * t35 + (sin * t5 + s_12_1 * t36);
-        const double t38 = cos * t5 + s_12_1 * t35 - (sin * t4 + s_12_0 * t36);
-        const double t39 = cos * t6 + s_13_0 * t35 + (sin * t7 + s_13_1 * t36);
-        const double t40 = cos * t7 + s_13_1 * t35 - (sin * t6 + s_13_0 * t36);
-        const double t41 = q_2_1 * slide[2].t[k] + slide[2].v * t38 - distance[1].t[k] - (q_2_0 * slide[3].t[k] + slide[3].v * t37);
-        const double t42 = q_3_1 * slide[4].t[k] + slide[4].v * t40 - distance[2].t[k] - (q_3_0 * slide[5].t[k] + slide[5].v * t39);
-        const double t43 = g_2 * slide[4].t[k] + slide[4].v * t41 - (g_3 * slide[2].t[k] + slide[2].v * t42);
-        const double t44 = g_3 * slide[0].t[k] + slide[0].v * t42 + (distance[0].v * slide[4].t[k] + slide[4].v * distance[0].t[k]);
-        const double t45 = distance[0].v * slide[2].t[k] + slide[2].v * distance[0].t[k] + (g_2 * slide[0].t[k] + slide[0].v * t41);
-        const double t46 = h15 * t1 + lambda_1 * t43 + (h16 * t2 + lambda_2 * t44) - (h17 * t3 + lambda_3 * t45);
-        const double t47 = h18 * (h18 * t23);
-        const double t48 = h18 * t46 - h19 * t47;
-        const double t49 = g_2 * slide[5].t[k] + slide[5].v * t41 - (g_3 * slide[3].t[k] + slide[3].v * t42);
-        const double t50 = g_3 * slide[1].t[k] + slide[1].v * t42 + (distance[0].v * slide[5].t[k] + slide[5].v * distance[0].t[k]);
-        const double t51 = distance[0].v * slide[3].t[k] + slide[3].v * distance[0].t[k] + (g_2 * slide[1].t[k] + slide[1].v * t41);
-        const double t52 = h20 * t1 + lambda_1 * t49 + (h21 * t2 + lambda_2 * t50) - (h22 * t3 + lambda_3 * t51);
-        const double t53 = h18 * t52 - h23 * t47;
-        const double t54 = o_0 * slide[0].t[k] + slide[0].v * t48 + (o_1 * slide[1].t[k] + slide[1].v * t53);
-        const double t55 = S_2_0 * slide[2].t[k] + slide[2].v * (t37 - t48) + (S_2_1 * slide[3].t[k] + slide[3].v * (t38 - t53));
-        const double t56 = S_3_0 * slide[4].t[k] + slide[4].v * (t39 - t48) + (S_3_1 * slide[5].t[k] + slide[5].v * (t40 - t53));
-        breadth[0].t[k] = h8 * (t18 - t28);
-        radicand[0].t[k] = t30 + side_2 * t31;
-        p[0].t[k] = s[0].t[k] + (o_0 * t35 + cos * t48) - (o_1 * t36 + sin * t53);
-        p[1].t[k] = s[1].t[k] + (o_1 * t35 + cos * t53) + (o_0 * t36 + sin * t48);
-        phi[0].t[k] = h24 * (cos * t36 - sin * t35);
-        redundant[0].t[k] = -(start[0].t[k] + t54);
-        redundant[1].t[k] = t55 - start[1].t[k];
-        redundant[2].t[k] = t56 - start[2].t[k];
+        const double t20 = t18 - (t19 + t19);
+        const double t21 = lambda_1 * t1;
+        const double t22 = lambda_2 * t2;
+        const double t23 = lambda_3 * t3;
+        const double t24 = t21 + t21 + (t22 + t22) + (t23 + t23);
+        const double t25 = s_12_0 * t4;
+        const double t26 = s_12_1 * t5;
+        const double t27 = s_13_0 * t6;
+        const double t28 = s_13_1 * t7;
+        const double t29 = breadth_0 * (h6 * t24 + h7 * (t25 + t25 + (t26 + t26) + (t27 + t27) + (t28 + t28)));
+        const double t30 = side[0].v * side[0].t[k];
+        const double t31 = t30 + t30;
+        const double t32 = h9 * t31;
+        const double t33 = h12 * (h12 * t18);
+        const double t34 = h12 * (h11 * (0.5 * (h10 * (t20 - ratio * t31)))) - h13 * t33;
+        const double t35 = h12 * t15 - C * t33;
+        const double t36 = middle * t10 + A * t35 + (h14 * side[0].t[k] + side[0].v * (root * t13 + h5 * t34));
+        const double t37 = h15 * side[0].t[k] + side[0].v * (root * t10 + A * t34) - (middle * t13 + h5 * t35);
+        const double t38 = cos * t4 + s_12_0 * t36 + (sin * t5 + s_12_1 * t37);
+        const double t39 = cos * t5 + s_12_1 * t36 - (sin * t4 + s_12_0 * t37);
+        const double t40 = cos * t6 + s_13_0 * t36 + (sin * t7 + s_13_1 * t37);
+        const double t41 = cos * t7 + s_13_1 * t36 - (sin * t6 + s_13_0 * t37);
+        const double t42 = q_2_1 * slide[2].t[k] + slide[2].v * t39 - distance[1].t[k] - (q_2_0 * slide[3].t[k] + slide[3].v * t38);
+        const double t43 = q_3_1 * slide[4].t[k] + slide[4].v * t41 - distance[2].t[k] - (q_3_0 * slide[5].t[k] + slide[5].v * t40);
+        const double t44 = g_2 * slide[4].t[k] + slide[4].v * t42 - (g_3 * slide[2].t[k] + slide[2].v * t43);
+        const double t45 = g_3 * slide[0].t[k] + slide[0].v * t43 + (distance[0].v * slide[4].t[k] + slide[4].v * distance[0].t[k]);
+        const double t46 = distance[0].v * slide[2].t[k] + slide[2].v * distance[0].t[k] + (g_2 * slide[0].t[k] + slide[0].v * t42);
+        const double t47 = h16 * t1 + lambda_1 * t44 + (h17 * t2 + lambda_2 * t45) - (h18 * t3 + lambda_3 * t46);
+        const double t48 = h19 * (h19 * t24);
+        const double t49 = h19 * t47 - h20 * t48;
+        const double t50 = g_2 * slide[5].t[k] + slide[5].v * t42 - (g_3 * slide[3].t[k] + slide[3].v * t43);
+        const double t51 = g_3 * slide[1].t[k] + slide[1].v * t43 + (distance[0].v * slide[5].t[k] + slide[5].v * distance[0].t[k]);
+        const double t52 = distance[0].v * slide[3].t[k] + slide[3].v * distance[0].t[k] + (g_2 * slide[1].t[k] + slide[1].v * t42);
+        const double t53 = h21 * t1 + lambda_1 * t50 + (h22 * t2 + lambda_2 * t51) - (h23 * t3 + lambda_3 * t52);
+        const double t54 = h19 * t53 - h24 * t48;
+        const double t55 = o_0 * slide[0].t[k] + slide[0].v * t49 + (o_1 * slide[1].t[k] + slide[1].v * t54);
+        const double t56 = S_2_0 * slide[2].t[k] + slide[2].v * (t38 - t49) + (S_2_1 * slide[3].t[k] + slide[3].v * (t39 - t54));
+        const double t57 = S_3_0 * slide[4].t[k] + slide[4].v * (t40 - t49) + (S_3_1 * slide[5].t[k] + slide[5].v * (t41 - t54));
+        breadth[0].t[k] = h8 * (t18 - t29);
+        radicand[0].t[k] = t20;
+        sign[0].t[k] = -(t32 + t32);
+        p[0].t[k] = s[0].t[k] + (o_0 * t36 + cos * t49) - (o_1 * t37 + sin * t54);
+        p[1].t[k] = s[1].t[k] + (o_1 * t36 + cos * t54) + (o_0 * t37 + sin * t49);
+        phi[0].t[k] = h25 * (cos * t37 - sin * t36);
+        redundant[0].t[k] = -(start[0].t[k] + t55);
+        redundant[1].t[k] = t56 - start[1].t[k];
+        redundant[2].t[k] = t57 - start[2].t[k];
     }
 }
 

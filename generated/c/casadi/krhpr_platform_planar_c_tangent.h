@@ -600,11 +600,11 @@ static inline void krhpr_platform_planar_c_assembly_modes_tangent(
 }
 
 /* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
- * (159 add, 214 multiply, 9 divide, 1 square root, 1 arctangent) */
+ * (161 add, 214 multiply, 9 divide, 1 square root, 1 arctangent) */
 static inline void krhpr_platform_planar_c_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT breadth,
-    krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
-    krhpr_dual *KRHPR_RESTRICT redundant)
+    krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p,
+    krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant)
 {
     const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
     const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
@@ -625,39 +625,41 @@ static inline void krhpr_platform_planar_c_assembly_mode_tangent(
     const double size = h7 * h6;
     const double breadth_0 = AB_2 / size;
     const double side_2 = side[0].v * side[0].v;
+    const double h9 = side_2 - 1.0;
     const double ratio = AB_2 / side_2;
     const double t1 = sqrt(ratio);
     const double root = t1 / AB_2;
-    const double h12 = h5 * root;
-    const double cos = side[0].v * h12;
-    const double h13 = A * root;
-    const double sin = side[0].v * h13;
+    const double h13 = h5 * root;
+    const double cos = side[0].v * h13;
+    const double h14 = A * root;
+    const double sin = side[0].v * h14;
     const double q_2_0 = s_12_0 * cos + s_12_1 * sin;
     const double q_2_1 = s_12_1 * cos - s_12_0 * sin;
     const double q_3_0 = s_13_0 * cos + s_13_1 * sin;
     const double q_3_1 = s_13_1 * cos - s_13_0 * sin;
     const double g_2 = slide[2].v * q_2_1 - slide[3].v * q_2_0;
     const double g_3 = slide[4].v * q_3_1 - slide[5].v * q_3_0;
-    const double h14 = slide[4].v * g_2 - slide[2].v * g_3;
-    const double h15 = lambda_2 * g_3;
-    const double h16 = lambda_3 * g_2;
-    const double h18 = lambda_1 * h14 + slide[0].v * h15 - slide[0].v * h16;
-    const double h17 = 1.0 / h7;
-    const double o_0 = h18 * h17;
-    const double h19 = slide[5].v * g_2 - slide[3].v * g_3;
-    const double h20 = lambda_1 * h19 + slide[1].v * h15 - slide[1].v * h16;
-    const double o_1 = h17 * h20;
+    const double h15 = slide[4].v * g_2 - slide[2].v * g_3;
+    const double h16 = lambda_2 * g_3;
+    const double h17 = lambda_3 * g_2;
+    const double h19 = lambda_1 * h15 + slide[0].v * h16 - slide[0].v * h17;
+    const double h18 = 1.0 / h7;
+    const double o_0 = h19 * h18;
+    const double h20 = slide[5].v * g_2 - slide[3].v * g_3;
+    const double h21 = lambda_1 * h20 + slide[1].v * h16 - slide[1].v * h17;
+    const double o_1 = h18 * h21;
     const double S_2_0 = q_2_0 - o_0;
     const double S_2_1 = q_2_1 - o_1;
     const double S_3_0 = q_3_0 - o_0;
     const double S_3_1 = q_3_1 - o_1;
     const double h8 = 1.0 / size;
-    const double h9 = 1.0 / side_2;
-    const double h10 = 1.0 / t1;
-    const double h11 = 1.0 / AB_2;
-    const double h21 = 1.0 / (cos * cos + sin * sin);
+    const double h10 = 1.0 / side_2;
+    const double h11 = 1.0 / t1;
+    const double h12 = 1.0 / AB_2;
+    const double h22 = 1.0 / (cos * cos + sin * sin);
     breadth[0].v = breadth_0;
-    radicand[0].v = side_2 * ratio;
+    radicand[0].v = AB_2;
+    sign[0].v = 1.0 - h9 * h9;
     p[0].v = s[0].v + cos * o_0 - sin * o_1;
     p[1].v = s[1].v + cos * o_1 + sin * o_0;
     phi[0].v = krhpr_atan2(sin, cos);
@@ -691,11 +693,11 @@ static inline void krhpr_platform_planar_c_assembly_mode_tangent(
         const double t25 = s_13_1 * t8;
         const double t26 = breadth_0 * (h6 * t21 + h7 * (t22 + t22 + (t23 + t23) + (t24 + t24) + (t25 + t25)));
         const double t27 = side[0].v * side[0].t[k];
-        const double t28 = ratio * (t27 + t27);
-        const double t29 = h9 * (t17 - t28);
-        const double t30 = h11 * (h10 * (0.5 * t29) - root * t17);
-        const double t31 = h12 * side[0].t[k] + side[0].v * (root * t14 + h5 * t30);
-        const double t32 = h13 * side[0].t[k] + side[0].v * (root * t11 + A * t30);
+        const double t28 = t27 + t27;
+        const double t29 = h9 * t28;
+        const double t30 = h12 * (h11 * (0.5 * (h10 * (t17 - ratio * t28))) - root * t17);
+        const double t31 = h13 * side[0].t[k] + side[0].v * (root * t14 + h5 * t30);
+        const double t32 = h14 * side[0].t[k] + side[0].v * (root * t11 + A * t30);
         const double t33 = cos * t5 + s_12_0 * t31 + (sin * t6 + s_12_1 * t32);
         const double t34 = cos * t6 + s_12_1 * t31 - (sin * t5 + s_12_0 * t32);
         const double t35 = cos * t7 + s_13_0 * t31 + (sin * t8 + s_13_1 * t32);
@@ -705,20 +707,21 @@ static inline void krhpr_platform_planar_c_assembly_mode_tangent(
         const double t39 = g_2 * slide[4].t[k] + slide[4].v * t37 - (g_3 * slide[2].t[k] + slide[2].v * t38);
         const double t40 = g_3 * t3 + lambda_2 * t38;
         const double t41 = g_2 * t4 + lambda_3 * t37;
-        const double t42 = h14 * t2 + lambda_1 * t39 + (h15 * slide[0].t[k] + slide[0].v * t40) - (h16 * slide[0].t[k] + slide[0].v * t41);
-        const double t43 = h17 * (h17 * t21);
-        const double t44 = h17 * t42 - h18 * t43;
+        const double t42 = h15 * t2 + lambda_1 * t39 + (h16 * slide[0].t[k] + slide[0].v * t40) - (h17 * slide[0].t[k] + slide[0].v * t41);
+        const double t43 = h18 * (h18 * t21);
+        const double t44 = h18 * t42 - h19 * t43;
         const double t45 = g_2 * slide[5].t[k] + slide[5].v * t37 - (g_3 * slide[3].t[k] + slide[3].v * t38);
-        const double t46 = h19 * t2 + lambda_1 * t45 + (h15 * slide[1].t[k] + slide[1].v * t40) - (h16 * slide[1].t[k] + slide[1].v * t41);
-        const double t47 = h17 * t46 - h20 * t43;
+        const double t46 = h20 * t2 + lambda_1 * t45 + (h16 * slide[1].t[k] + slide[1].v * t40) - (h17 * slide[1].t[k] + slide[1].v * t41);
+        const double t47 = h18 * t46 - h21 * t43;
         const double t48 = o_0 * slide[0].t[k] + slide[0].v * t44 + (o_1 * slide[1].t[k] + slide[1].v * t47);
         const double t49 = S_2_0 * slide[2].t[k] + slide[2].v * (t33 - t44) + (S_2_1 * slide[3].t[k] + slide[3].v * (t34 - t47));
         const double t50 = S_3_0 * slide[4].t[k] + slide[4].v * (t35 - t44) + (S_3_1 * slide[5].t[k] + slide[5].v * (t36 - t47));
         breadth[0].t[k] = h8 * (t17 - t26);
-        radicand[0].t[k] = t28 + side_2 * t29;
+        radicand[0].t[k] = t17;
+        sign[0].t[k] = -(t29 + t29);
         p[0].t[k] = s[0].t[k] + (o_0 * t31 + cos * t44) - (o_1 * t32 + sin * t47);
         p[1].t[k] = s[1].t[k] + (o_1 * t31 + cos * t47) + (o_0 * t32 + sin * t44);
-        phi[0].t[k] = h21 * (cos * t32 - sin * t31);
+        phi[0].t[k] = h22 * (cos * t32 - sin * t31);
         redundant[0].t[k] = -t48;
         redundant[1].t[k] = t49;
         redundant[2].t[k] = t50;

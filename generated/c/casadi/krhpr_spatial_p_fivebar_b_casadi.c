@@ -1171,6 +1171,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual slide[6];
     krhpr_dual distance[3];
     krhpr_dual start[3];
+    krhpr_dual sign[1];
     krhpr_dual flatness[1];
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
@@ -1178,7 +1179,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_assembly_modes_tangent(
-        s, slide, distance, start, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+        s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
 }
 
 static const krhpr_casadi_slot in_forward_all[] = {
@@ -1227,6 +1228,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual flatness[1];
     krhpr_dual breadth[1];
     krhpr_dual assembly_radicand[1];
+    krhpr_dual sign[1];
     double assembly[3];
     krhpr_casadi_values(3, given + 9, assembly);
     for (int i = 0; i < 3; ++i) {
@@ -1236,7 +1238,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_assembly_mode_tangent(
-        s, slide, distance, start, side, flatness, breadth, assembly_radicand, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
 }
 
 static const krhpr_casadi_slot in_forward[] = {

@@ -1168,6 +1168,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const det_J = found + 30;
     krhpr_dual *const count = found + 32;
     krhpr_dual slide[6];
+    krhpr_dual sign[1];
     krhpr_dual flatness[1];
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
@@ -1175,7 +1176,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes_tangent(
-        s, slide, turned, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+        s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
 }
 
 static const krhpr_casadi_slot in_forward_all[] = {
@@ -1222,6 +1223,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual flatness[1];
     krhpr_dual breadth[1];
     krhpr_dual assembly_radicand[1];
+    krhpr_dual sign[1];
     double assembly[3];
     krhpr_casadi_values(3, given + 9, assembly);
     for (int i = 0; i < 3; ++i) {
@@ -1231,7 +1233,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode_tangent(
-        s, slide, side, flatness, breadth, assembly_radicand, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
 }
 
 static const krhpr_casadi_slot in_forward[] = {

@@ -41,7 +41,10 @@ def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
     found.worse(np.min(np.nan_to_num(errors, nan=np.inf), axis=0), "the pose is missing")
     there_are = np.isfinite(result["det_J"]).sum(axis=-1)
     found.worse((result["count"] != there_are).astype(float), "count")
-    found.worse((there_are % 2 != 0).astype(float), "an odd number of solutions")
+    odd = there_are % 2 != 0
+    if "doubtful" in result:
+        odd &= result["doubtful"] == 0
+    found.worse(odd.astype(float), "an odd number of solutions")
 
 
 def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:

@@ -251,8 +251,8 @@ ROBOT_PROOFS = (
         "forward_all",
         BALL,
         FEW,
-        "The sextic is |e_2 z_3 - e_3 z_2|^2 = 4 l_1^2 D^2 of the links' vectors, at any T; the pose that "
-        "the end points come from is one of its roots, and the kernel gives it back there.",
+        "The sextic is what eliminating the links' vectors leaves, at any T; the pose that the end points "
+        "come from is one of its roots, and the kernel gives it back there.",
         ("platform.tie", "platform.sextic", "platform.assembly"),
         needs="platform.sextic",
     ),
