@@ -1396,8 +1396,8 @@ def forward(
         theta (..., 3, 2) [rad or m]: actuated joints [theta_1, theta_2]
         assembly (..., 3, 1): signs of the assembly mode, +1 or -1 [assembly], the default
             unless given
-        side (...): +1 for the side of type II where the first margin is positive, or -1, the
-            default unless given
+        side (...): +1 for the side of type II where the first margin is positive, or -1; +1
+            unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 

@@ -1323,8 +1323,8 @@ def forward(
 
     Args:
         theta (..., 3, 2) [rad or m]: actuated joints [rho_1, rho_2]
-        side (...): +1 for the side of type II where the first margin is positive, or -1, the
-            default unless given
+        side (...): +1 for the side of type II where the first margin is positive, or -1; +1
+            unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 

@@ -1340,7 +1340,7 @@ def forward_all(
     Args:
         s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
         turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
-            its legs, -1 for the one turned over, the default unless given
+            its legs, -1 for the one turned over; +1 unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -1388,8 +1388,8 @@ def forward(
 
     Args:
         theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
-        side (...): +1 for the side of type II where the first margin is positive, or -1, the
-            default unless given
+        side (...): +1 for the side of type II where the first margin is positive, or -1; +1
+            unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 

@@ -1356,7 +1356,7 @@ def forward_all(
     Args:
         s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
         turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
-            its legs, -1 for the one turned over, the default unless given
+            its legs, -1 for the one turned over; +1 unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 

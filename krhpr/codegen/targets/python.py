@@ -155,13 +155,20 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         "nearest": not function.calls,
         "uses_geometry": function.uses_geometry(robot.parts),
         "input_docs": [
-            python_port(port) + (", the default unless given" if port.name in optional else "")
+            python_port(port) + _default_remark(port.name, optional)
             for port in function.inputs
         ],
         "output_docs": [python_port(port) for port in function.outputs],
         "calls": [_call(robot, call, known, read) for call in function.calls],
         "guards": [_guard(guard, known, function) for guard in function.guards],
     }
+
+
+def _default_remark(name: str, optional: Mapping[str, str]) -> str:
+    """What an argument is where it is not given."""
+    if name in SIGNS:
+        return "; +1 unless given"
+    return ", the default unless given" if name in optional else ""
 
 
 def python_port(port: Port) -> str:
