@@ -154,10 +154,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         "optional": [(name, optional[name]) for name in present],
         "nearest": not function.calls,
         "uses_geometry": function.uses_geometry(robot.parts),
-        "input_docs": [
-            python_port(port) + _default_remark(port.name, optional)
-            for port in function.inputs
-        ],
+        "input_docs": [python_port(port) + _default_remark(port.name, optional) for port in function.inputs],
         "output_docs": [python_port(port) for port in function.outputs],
         "calls": [_call(robot, call, known, read) for call in function.calls],
         "guards": [_guard(guard, known, function) for guard in function.guards],
