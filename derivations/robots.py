@@ -586,7 +586,9 @@ class _Functions:
 
     def _forward_at_roots(self) -> RobotFunction:
         ports = forward_ports(self.robot.space, self.plate.redundant, DEGREE)
-        doubtful = Port("doubtful", (), Unit.NONE, Frame.NONE, "places where there may be further solutions")
+        doubtful = Port(
+            "doubtful", (), Unit.NONE, Frame.NONE, "1 where there may be further solutions, else 0"
+        )
         each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name)
         guards = [
             Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
@@ -597,7 +599,7 @@ class _Functions:
             "forward_all",
             "Every pose of the platform that holds the end points of the sub-legs, with its redundant "
             "coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but "
-            "coincide they are counted as a doubtful place.",
+            "coincide they are left out and said to be in doubt.",
             "3.2.1",
             (self.leg.s, *(() if self.planar else (TURNED,))),
             (ports.p, ports.orientation, ports.redundant, ports.det_J, ports.count, doubtful),

@@ -18,6 +18,7 @@ import pytest
 import krhpr
 from krhpr import GeneratedMismatch, InvalidInput, Robot, Singular, Status, UnknownBranch, Unreachable
 from krhpr import backend as backend_module
+from krhpr.codegen.composition import SIGNS
 from tests.support import run_python
 
 ROBOTS = ("spatial_rrr_a", "spatial_r_fivebar_a", "spatial_rrr_c", "planar_rr_a")
@@ -116,6 +117,7 @@ def arguments(robot: Robot, function: str, *batch: int, seed: int = 0) -> tuple[
     signs = np.broadcast_to(robot.mode_signs(), (*batch, *robot.mode_signs().shape))
     known = {"p": p, "Q": Q, "phi": Q, "s": s, "theta": theta, "redundant": redundant, "mode": signs}
     known["theta_near"] = theta + 0.1
+    known |= dict.fromkeys(SIGNS, np.ones(batch))
     if robot.assemblies:
         shape = robot.assembly_signs().shape
         known["assembly"] = np.broadcast_to(robot.assembly_signs(), (*batch, *shape))

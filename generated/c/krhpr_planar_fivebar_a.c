@@ -1249,9 +1249,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_all(
         krhpr_fill_nan(phi + 1 * kept, 1 * (6 - kept));
         krhpr_fill_nan(redundant + 3 * kept, 3 * (6 - kept));
         krhpr_fill_nan(det_J + 1 * kept, 1 * (6 - kept));
-        if (roots > kept) {
-            in_doubt += roots - kept; /* every simple root is a solution: this one was not found well enough */
-        }
+        /* every simple root is a solution: one that misses was not found well enough */
+        in_doubt = in_doubt > 0 || roots > kept;
         *count = (double)kept;
         *doubtful = (double)in_doubt;
         found[0] = (double)(kept + in_doubt);

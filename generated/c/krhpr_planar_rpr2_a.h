@@ -419,8 +419,8 @@ KRHPR_API int krhpr_planar_rpr2_a_type_2_of_redundant_batch(
     ptrdiff_t status_step);
 
 /* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the
- * real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted
- * as a doubtful place.  Thesis: 3.2.1.
+ * real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are left out
+ * and said to be in doubt.  Thesis: 3.2.1.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   out    p (6 x 2, m, base frame): position of O', NaN behind the last
  *   out    phi (6, rad, base frame): orientation, base from platform, NaN behind the last
@@ -428,7 +428,7 @@ KRHPR_API int krhpr_planar_rpr2_a_type_2_of_redundant_batch(
  *          link, clockwise from +z', NaN behind the last
  *   out    det_J (6, mixed, platform frame): det J of each, whose sign tells them apart
  *   out    count (scalar): number of solutions
- *   out    doubtful (scalar): places where there may be further solutions
+ *   out    doubtful (scalar): 1 where there may be further solutions, else 0
  */
 KRHPR_API int krhpr_planar_rpr2_a_forward_all(
     const krhpr_planar_rpr2_a_geometry *g, const double s[6], double *KRHPR_RESTRICT p,

@@ -433,8 +433,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_type_2_of_redundant_batch(
     ptrdiff_t status_step);
 
 /* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the
- * real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted
- * as a doubtful place.  Thesis: 3.2.1.
+ * real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are left out
+ * and said to be in doubt.  Thesis: 3.2.1.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     turned (scalar): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its
  *          legs, -1 for the one turned over
@@ -444,7 +444,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_type_2_of_redundant_batch(
  *          link, clockwise from +z', NaN behind the last
  *   out    det_J (6, mixed, platform frame): det J of each, whose sign tells them apart
  *   out    count (scalar): number of solutions
- *   out    doubtful (scalar): places where there may be further solutions
+ *   out    doubtful (scalar): 1 where there may be further solutions, else 0
  */
 KRHPR_API int krhpr_spatial_prr_parallel_a_forward_all(
     const krhpr_spatial_prr_parallel_a_geometry *g, const double s[9], double turned,

@@ -238,8 +238,8 @@ def at_roots(
     """What `step` (root -> components of results, the last one by how much the root misses) gives at every real root.
 
     Solutions are those that miss by at most the tolerance, in the order of the result number `order`.  Returns each
-    result's components, solution by solution and NaN behind the last, then how many solutions there are, how many
-    places are in doubt, and both together.
+    result's components, solution by solution and NaN behind the last, then how many solutions there are, whether
+    others are in doubt, and both together.
     """
     degree = len(polynomial) - 1
     found = real_roots(np.stack(np.broadcast_arrays(*polynomial), axis=-1), error)
@@ -253,11 +253,11 @@ def at_roots(
     components = []
     for result in results:
         ordered = np.take_along_axis(np.where(kept[..., None], result, np.nan), place[..., None], axis=-2)
-        flat = ordered.reshape((*ordered.shape[:-2], -1))
+        flat = ordered.reshape((*ordered.shape[:-2], degree * ordered.shape[-1]))
         components.append(tuple(np.moveaxis(flat, -1, 0)))
     count = kept.sum(axis=-1).astype(float)
     # every simple root is a solution: one that misses was not found well enough
-    doubtful = found.doubtful + np.maximum(found.count - count, 0.0)
+    doubtful = ((found.doubtful > 0) | (found.count > count)).astype(float)
     return (*components, (count,), (doubtful,), (count + doubtful,))
 
 

@@ -513,7 +513,7 @@ SIGNATURES = {
     ),
     "forward_all": rt.Signature(
         "forward_all",
-        "Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are counted as a doubtful place.",
+        "Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but coincide they are left out and said to be in doubt.",
         "3.2.1",
         (
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
@@ -525,7 +525,7 @@ SIGNATURES = {
             rt.Port("redundant", (6, 3), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z', NaN behind the last", "shared", ()),
             rt.Port("det_J", (6,), "mixed", "platform", "det J of each, whose sign tells them apart", "shared", ()),
             rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
-            rt.Port("doubtful", (), "1", "-", "places where there may be further solutions", "shared", ()),
+            rt.Port("doubtful", (), "1", "-", "1 where there may be further solutions, else 0", "shared", ()),
         ),
         "(3,3),()->(6,3),(6,3,3),(6,3),(6),(),(),()",
     ),
@@ -1409,7 +1409,7 @@ def forward_all(
     s: Any, turned: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
     """Every pose of the platform that holds the end points of the sub-legs, with its redundant
     coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but
-    coincide they are counted as a doubtful place.
+    coincide they are left out and said to be in doubt.
 
     Thesis: 3.2.1.
 
@@ -1427,7 +1427,7 @@ def forward_all(
             link, clockwise from +z', NaN behind the last
         det_J (..., 6) [mixed] in the platform frame: det J of each, whose sign tells them apart
         count (...): number of solutions
-        doubtful (...): places where there may be further solutions
+        doubtful (...): 1 where there may be further solutions, else 0
     """
     if turned is None:
         turned = 1.0

@@ -11,7 +11,7 @@ import sympy as sp
 from krhpr.derivations.catalogue import catalogue
 from krhpr.derivations.sublegs import two_link
 from krhpr.derivations.sublegs.base import Forward, VelocityEquations
-from krhpr.validation.check import Kind, Target
+from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.plan import plan
 from krhpr.validation.subject import Subject
 from tests.support import cover
@@ -182,10 +182,12 @@ def _equivalent(mutant: Subject, function: str) -> bool:
 
 def _noticed(mutant: Subject, function: str) -> bool:
     """Whether a proof fails, of those about the kernel first."""
-    checks = [c for c in plan(mutant.code) if c.kind is Kind.PROOF and c.shared]
-    return any(
-        failed(mutant, check) for check in sorted(checks, key=lambda c: function not in (c.function, *c.also))
-    )
+
+    def about(check: Check) -> bool:
+        return function in (check.function, *check.also)
+
+    checks = [c for c in plan(mutant.code) if c.kind is Kind.PROOF and (c.shared or about(c))]
+    return any(failed(mutant, check) for check in sorted(checks, key=lambda c: not about(c)))
 
 
 # -- templates -------------------------------------------------------------------------------------

@@ -4,6 +4,8 @@ conditioned.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -96,7 +98,7 @@ def test_errors_are_relative_to_the_scale_of_the_output() -> None:
     assert scale(length, wanted).ravel().tolist() == [10.0, 0.1]
     error, index = worst_of(relative(length, wanted + 0.01, wanted))
     assert (round(error, 12), index) == (0.1, 1)
-    factors = port(Unit.MIXED, (2,))
+    factors = replace(port(Unit.MIXED, (2,)), labels=("det J_a", "det J_n"))  # of two kinds
     assert scale(factors, [[2.0, 1e-3]]).tolist() == [[2.0, 1e-3]]
 
 

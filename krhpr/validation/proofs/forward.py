@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 from krhpr.codegen.kernel import LEGS
@@ -97,6 +98,11 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
             for name in ("p", "phi" if subject.planar else "Q", "redundant"):
                 found.equal(pose[name], here.values[name], f"{name} at the root")
             found.equal(pose["miss"], [Ball(0)], "miss at the root")
+            # beside the root the Newton steps lead back to it, squaring the distance each time
+            inputs["root"] = [sine + Ball(Fraction(1, 10**7)), cosine + Ball(1)]
+            beside = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
+            gaps = [(a - b).to_float() for a, b in zip(beside["p"], here.values["p"], strict=True)]
+            found.equal([Ball(int(max(map(abs, gaps)) < 1e-20))], [Ball(1)], "beside the root")
             product: Any = Ball(1)
             for factor in here.call("type_2_of_redundant")["type_2"]:
                 product = product * factor
