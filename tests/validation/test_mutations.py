@@ -136,7 +136,7 @@ def test_a_mistake_in_an_arrangement_is_found(what: str) -> None:
 # -- graphs ----------------------------------------------------------------------------------------
 
 # What a guard compares with zero need not be right in size: only where it changes its sign is proven.
-GUARDS = {"radicand", "excess"}
+GUARDS = {"radicand", "excess", "breadth", "flatness", "sign"}
 
 
 @pytest.mark.parametrize(
