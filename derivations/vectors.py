@@ -28,6 +28,24 @@ def cross2(a: sp.Matrix, b: sp.Matrix) -> Any:
     return a[0] * b[1] - a[1] * b[0]
 
 
+def turned(cosine: Any, sine: Any, v: sp.Matrix) -> sp.Matrix:
+    """R(phi) v in the plane."""
+    return sp.Matrix([cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]])
+
+
+def dependence(vectors: Sequence[sp.Matrix]) -> list[Any]:
+    """lambda_i = v_j x v_k of three vectors of the plane, for which sum lambda_i v_i = 0."""
+    return [cross2(vectors[(i + 1) % 3], vectors[(i + 2) % 3]) for i in range(3)]
+
+
+def concurrence(weights: Sequence[Any], directions: Sequence[sp.Matrix], points: Sequence[sp.Matrix]) -> Any:
+    """det of three lines of the plane, rows (direction, moment): zero where they meet in a point or are
+    parallel.  `weights` is the dependence of the directions.
+    """
+    moments = (cross2(point, v) for point, v in zip(points, directions, strict=True))
+    return sum((w * moment for w, moment in zip(weights, moments, strict=True)), sp.Integer(0))
+
+
 def lines_meet(normals: Sequence[sp.Matrix], right: Sequence[Any], weights: Sequence[Any]) -> sp.Matrix:
     """The point x of the plane with n_i . x = g_i for three consistent equations, where sum w_i n_i = 0.
 

@@ -43,6 +43,11 @@ class Platform(ABC):
     requirements: tuple[Requirement, ...] = ()
     """What it requires of the sizes of all three legs together."""
 
+    closed_forward: bool = False
+    """Whether the forward kinematics has a closed form, kernels `tie`, `assembly_modes` and `assembly_mode`;
+    else it is a polynomial's roots, kernels `tie`, `sextic` and `assembly`.
+    """
+
     # -- what an arrangement's file states ------------------------------------------------------------------
 
     @abstractmethod
@@ -98,11 +103,6 @@ class Platform(ABC):
     @abstractmethod
     def closed_form(self, k: KernelWriter, redundant: list[Any], geometry: list[Any]) -> list[Any]:
         """det J_a (and det J_n in space) as the closed form in the redundant coordinates, for the proof."""
-
-    closed_forward: bool = False
-    """Whether the forward kinematics has a closed form, kernels `tie`, `assembly_modes` and `assembly_mode`;
-    else it is a polynomial's roots, kernels `tie`, `sextic` and `assembly`.
-    """
 
     @abstractmethod
     def forward_kernels(self) -> tuple[Kernel, ...]:

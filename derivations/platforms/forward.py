@@ -148,12 +148,6 @@ def forward_ports(space: Space, joint: Port, modes: int) -> ForwardPorts:
     )
 
 
-def all_legs(k: KernelWriter, port: Port) -> list[Any]:
-    """An input that holds all three legs' values, as a list of vectors or scalars."""
-    whole = k.add_input(Port(port.name, (3, *port.shape), port.unit, port.frame, port.doc))
-    return [whole.row(i).T if port.shape else whole[i] for i in range(3)]
-
-
 def stacked(name: str, shape: tuple[int, ...], unit: Unit, doc: str) -> Port:
     """A leg's value in the platform frame."""
     return Port(name, shape, unit, Frame.PLATFORM, doc, Layout.STACKED)

@@ -224,8 +224,8 @@ class PlatformKernels:
         )
         ports = self.ports
         Q = k.add_input(ports.Q)
-        lines, points = _legs(k, ports.line), _legs(k, ports.point)
-        rates = _legs(k, ports.rate)
+        lines, points = all_legs(k, ports.line), all_legs(k, ports.point)
+        rates = all_legs(k, ports.rate)
         if self.plate.space is Space.PLANAR:
             in_plane = sp.Matrix.vstack(*(line.T for line in lines))
             scaled, det_a = solve3(in_plane, sp.Matrix([rate[0] for rate in rates]))
@@ -268,7 +268,7 @@ class PlatformKernels:
     def _type_2(self) -> Kernel:
         k = KernelWriter("type_2", f"Factors of det J and margins.  {self.plate.type_2_doc}", "1.4, 2.3.2")
         ports = self.ports
-        lines, points, scale = _legs(k, ports.line), _legs(k, ports.point), _legs(k, ports.scale)
+        lines, points, scale = all_legs(k, ports.line), all_legs(k, ports.point), all_legs(k, ports.scale)
         if self.plate.space is Space.PLANAR:
             det_a = k.let("det_a", determinant3(sp.Matrix.vstack(*(line.T for line in lines))), "det J")
             k.add_output(ports.type_2, [det_a])
@@ -285,10 +285,10 @@ class PlatformKernels:
         return k.kernel()
 
 
-def _legs(k: KernelWriter, port: Port) -> list[sp.Matrix]:
-    """An input that holds all three legs' vectors, as a list of vectors."""
+def all_legs(k: KernelWriter, port: Port) -> list[Any]:
+    """An input that holds all three legs' values, as a list of vectors or scalars."""
     whole = k.add_input(Port(port.name, (3, *port.shape), port.unit, port.frame, port.doc))
-    return [whole.row(i).T for i in range(3)]
+    return [whole.row(i).T if port.shape else whole[i] for i in range(3)]
 
 
 class PlatformPorts:

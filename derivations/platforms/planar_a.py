@@ -89,7 +89,4 @@ class PlanarA(Platform):
         return [revolute_factors(redundant, geometry)]
 
     def forward_kernels(self) -> tuple[Kernel, ...]:
-        ports = self.ports()
-        return revolute.forward_kernels(
-            self.space, self.geometry(), ports.s, ports.redundant, "3.2.1, (3.1) to (3.4)"
-        )
+        return revolute.forward_kernels(self)

@@ -15,15 +15,29 @@ double zero there.  So every simple root is a solution, and what the elimination
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryType, Kernel, Port, Unit
+from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms.forward import TURNED, Plane, all_legs, forward_ports, plane_of, stacked
+from krhpr.derivations.platforms.forward import (
+    TURNED,
+    Mode,
+    Plane,
+    forward_ports,
+    plane_of,
+    stacked,
+    write_modes,
+)
+from krhpr.derivations.platforms.kernels import all_legs
 from krhpr.derivations.terms import Space
-from krhpr.derivations.vectors import E, cross2, dot, lines_meet
+from krhpr.derivations.vectors import E, concurrence, cross2, dependence, dot, lines_meet, turned
+
+if TYPE_CHECKING:
+    from krhpr.derivations.platforms.base import Platform
+
+EQUATIONS = "3.2.1, (3.1) to (3.4)"
 
 DEGREE = 6
 ANCHOR = stacked("anchor", (2,), Unit.METRE, "b_i, the joint on the platform")
@@ -49,19 +63,15 @@ STEPS = 2
 """Newton steps behind each root: one takes away what the elimination loses, one is for safety."""
 
 
-def forward_kernels(
-    space: Space, geometry: GeometryType, end_points: Port, joint: Port, equations: str
-) -> tuple[Kernel, ...]:
+def forward_kernels(plate: Platform) -> tuple[Kernel, ...]:
     """Kernels of the forward kinematics: what a leg contributes, the sextic, the pose at one of its roots."""
-    return (
-        _tie(geometry),
-        _sextic(space, end_points, equations),
-        _assembly(space, end_points, joint, equations),
+    return _tie(plate), _sextic(plate), _assembly(plate)
+
+
+def _tie(plate: Platform) -> Kernel:
+    k = KernelWriter(
+        "tie", "How the leg holds the platform, for the forward kinematics.", "", plate.geometry()
     )
-
-
-def _tie(geometry: GeometryType) -> Kernel:
-    k = KernelWriter("tie", "How the leg holds the platform, for the forward kinematics.", "", geometry)
     k.add_output(ANCHOR, k.g.b)
     k.add_output(LENGTH, k.g.l_r)
     return k.kernel()
@@ -80,12 +90,12 @@ def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     return found
 
 
-def _sextic(space: Space, end_points: Port, equations: str) -> Kernel:
-    k = KernelWriter("sextic", "The sextic in tan(phi / 2) that holds the three end points.", equations)
-    s, anchors, lengths = all_legs(k, end_points), all_legs(k, ANCHOR), all_legs(k, LENGTH)
-    turned = k.add_input(TURNED) if space is Space.SPATIAL else sp.Integer(1)
+def _sextic(plate: Platform) -> Kernel:
+    k = KernelWriter("sextic", "The sextic in tan(phi / 2) that holds the three end points.", EQUATIONS)
+    s, anchors, lengths = all_legs(k, plate.ports().s), all_legs(k, ANCHOR), all_legs(k, LENGTH)
+    family = k.add_input(TURNED) if plate.space is Space.SPATIAL else sp.Integer(1)
     d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in (1, 2)]
-    plane = plane_of(k, space, s, cross2(*d), turned)
+    plane = plane_of(k, plate.space, s, cross2(*d), family)
     r = plane.points[1:]
     k.add_output(POINTS, [entry for point in plane.points for entry in point])
     if plane.axes is not None:
@@ -129,53 +139,41 @@ def _sextic(space: Space, end_points: Port, equations: str) -> Kernel:
     return k.kernel()
 
 
-def _assembly(space: Space, end_points: Port, joint: Port, equations: str) -> Kernel:
-    k = KernelWriter("assembly", "The pose at one root of the sextic.", equations)
+def _assembly(plate: Platform) -> Kernel:
+    k = KernelWriter("assembly", "The pose at one root of the sextic.", EQUATIONS)
     x, y = k.add_input(ROOT)
-    s, anchors, lengths = all_legs(k, end_points), all_legs(k, ANCHOR), all_legs(k, LENGTH)
+    s, anchors, lengths = all_legs(k, plate.ports().s), all_legs(k, ANCHOR), all_legs(k, LENGTH)
     whole = k.add_input(POINTS)
     points = tuple(whole.row(i).T for i in range(3))
-    axes = k.add_input(AXES) if space is Space.SPATIAL else None
-    plane = Plane(space, s[0], axes, points)
+    axes = k.add_input(AXES) if plate.space is Space.SPATIAL else None
+    plane = Plane(plate.space, s[0], axes, points)
     d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in range(3)]
     scale = k.let("xy_2", 1 / (x**2 + y**2))
     cosine, sine = k.let("cos_0", (y**2 - x**2) * scale), k.let("sin_0", 2 * x * y * scale)
-    z = [k.let(f"z_{i + 1}", _turned(cosine, sine, d[i]) - points[i]) for i in (1, 2)]
+    z = [k.let(f"z_{i + 1}", turned(cosine, sine, d[i]) - points[i]) for i in (1, 2)]
     e = [k.let(f"e_{i + 2}", lengths[i + 1] ** 2 - lengths[0] ** 2 - dot(z[i], z[i])) for i in (0, 1)]
     a_1 = k.let("a_1_0", (e[1] * (E * z[0]) - e[0] * (E * z[1])) / (2 * cross2(z[0], z[1])))
     for step in range(1, STEPS + 1):
         cosine, sine, a_1 = _newton(k, step, cosine, sine, a_1, d, points, lengths)
-    turned = [k.let(f"Rd_{i + 1}", _turned(cosine, sine, d[i])) for i in range(3)]
-    a = [k.let(f"a_{i + 1}", a_1 + turned[i] - points[i], "S_i to B_i") for i in range(3)]
-    position = k.let("p_l", a_1 - _turned(cosine, sine, anchors[0]))
-    local = [k.let(f"u_{i + 1}", _turned(cosine, -sine, a[i]), "in the platform frame") for i in range(3)]
+    rotated = [k.let(f"Rd_{i + 1}", turned(cosine, sine, d[i])) for i in range(3)]
+    a = [k.let(f"a_{i + 1}", a_1 + rotated[i] - points[i], "S_i to B_i") for i in range(3)]
+    position = k.let("p_l", a_1 - turned(cosine, sine, anchors[0]))
+    local = [k.let(f"u_{i + 1}", turned(cosine, -sine, a[i]), "in the platform frame") for i in range(3)]
     beta = [
         k.atan2(u[0] * b[1] - u[1] * b[0], u[0] * b[0] + u[1] * b[1])
         for u, b in zip(local, anchors, strict=True)
     ]
-    det_j = sum(
-        (cross2(local[(i + 1) % 3], local[(i + 2) % 3]) * cross2(anchors[i], local[i]) for i in range(3)),
-        sp.Integer(0),
-    )
-    if space is Space.SPATIAL:
+    det_j = concurrence(dependence(local), local, anchors)
+    if plate.space is Space.SPATIAL:
         det_j = det_j * cross2(points[1], points[2])
-    ports = forward_ports(space, joint, 0)
-    k.add_output(ports.p, plane.position(position))
-    if axes is None:
-        k.add_output(ports.orientation, k.atan2(sine, cosine))
-    else:
-        k.add_output(ports.orientation, plane.orientation(cosine, sine))
-    k.add_output(ports.redundant, beta)
-    k.add_output(ports.det_J, det_j)
+    joint = plate.ports().redundant
+    mode = Mode(cosine, sine, position, tuple(beta), det_j)
+    write_modes(k, plane, [mode], joint, several=False)
+    k.add_output(forward_ports(plate.space, joint, 0).det_J, det_j)
     misses = [dot(v, v) - length**2 for v, length in zip(a, lengths, strict=True)]
     size = sum(length**2 for length in lengths)
     k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
     return k.kernel()
-
-
-def _turned(cosine: Any, sine: Any, v: sp.Matrix) -> sp.Matrix:
-    """R(phi) v."""
-    return sp.Matrix([cosine * v[0] - sine * v[1], sine * v[0] + cosine * v[1]])
 
 
 def _newton(
@@ -189,14 +187,14 @@ def _newton(
     lengths: Sequence[Any],
 ) -> tuple[Any, Any, sp.Matrix]:
     """One Newton step of |a_i| = l_i in phi and a_1; with sum lambda_i a_i = 0 the equations lose a_1."""
-    turned = [_turned(cosine, sine, v) for v in d]
-    a = [k.let(f"a_{i + 1}_{step}", a_1 + turned[i] - points[i]) for i in range(3)]
+    rotated = [turned(cosine, sine, v) for v in d]
+    a = [k.let(f"a_{i + 1}_{step}", a_1 + rotated[i] - points[i]) for i in range(3)]
     f = [
         k.let(f"f_{i + 1}_{step}", (dot(v, v) - length**2) / 2)
         for i, (v, length) in enumerate(zip(a, lengths, strict=True))
     ]
-    slope = [k.let(f"g_{i + 1}_{step}", cross2(turned[i], a[i])) for i in range(3)]
-    weights = [k.let(f"lambda_{i + 1}_{step}", cross2(a[(i + 1) % 3], a[(i + 2) % 3])) for i in range(3)]
+    slope = [k.let(f"g_{i + 1}_{step}", cross2(rotated[i], a[i])) for i in range(3)]
+    weights = [k.let(f"lambda_{i + 1}_{step}", w) for i, w in enumerate(dependence(a))]
     turn = k.let(
         f"turn_{step}",
         -sum(w * v for w, v in zip(weights, f, strict=True))

@@ -21,15 +21,14 @@ from krhpr.derivations.platforms.forward import (
     SIDE,
     TURNED,
     Mode,
-    all_legs,
     plane_of,
     stacked,
     unit_sign,
     write_modes,
 )
-from krhpr.derivations.platforms.kernels import PlatformPorts
+from krhpr.derivations.platforms.kernels import PlatformPorts, all_legs
 from krhpr.derivations.terms import Pose, Space
-from krhpr.derivations.vectors import E, cross2, dot, lines_meet
+from krhpr.derivations.vectors import E, concurrence, cross2, dependence, dot, lines_meet, turned
 
 SLIDE = stacked("slide", (2,), Unit.NONE, "t_i, along the slide")
 DISTANCE = stacked("distance", (), Unit.METRE, "h_i, distance of the slide's line from O' along n_i")
@@ -137,7 +136,7 @@ class SlidePlatform(Platform):
         if self.offset:
             middles = (self.middle(g, n) for g, n in zip(fields, normals, strict=True))
             points = [m + point for m, point in zip(middles, points, strict=True)]
-        det_a = _moments(_weights(normals), normals, points)
+        det_a = concurrence(dependence(normals), normals, points)
         return [det_a] if self.space is Space.PLANAR else [det_a, _area(points)]
 
     # -- forward kinematics, in closed form -----------------------------------------------------------------
@@ -182,14 +181,14 @@ class SlidePlatform(Platform):
         distances = all_legs(k, DISTANCE) if self.offset else zeros
         starts = all_legs(k, START) if self.offset else zeros
         spatial = self.space is Space.SPATIAL
-        turned: Any = sp.Integer(1)
+        family: Any = sp.Integer(1)
         if choice is not None:
             side = k.add_input(choice)
         elif spatial:
-            turned = k.add_input(TURNED)
+            family = k.add_input(TURNED)
         normals = [self._across(t) for t in slides]
-        weights = [k.let(f"lambda_{i + 1}", w) for i, w in enumerate(_weights(normals))]
-        plane = plane_of(k, self.space, s, sum(weights, sp.Integer(0)), turned)
+        weights = [k.let(f"lambda_{i + 1}", w) for i, w in enumerate(dependence(normals))]
+        plane = plane_of(k, self.space, s, sum(weights, sp.Integer(0)), family)
         points = plane.points
         a = k.let("A", sum(w * dot(n, r) for w, n, r in zip(weights, normals, points, strict=True)))
         b = k.let("B", sum(w * cross2(n, r) for w, n, r in zip(weights, normals, points, strict=True)))
@@ -226,10 +225,7 @@ class SlidePlatform(Platform):
     ) -> Mode:
         """Where the platform stands once its orientation is known: n_i^T Q^T p is linear in p."""
         cosine, sine = turn
-        local = [
-            k.let(f"q_{i + 1}{at}", sp.Matrix([cosine * r[0] + sine * r[1], cosine * r[1] - sine * r[0]]))
-            for i, r in enumerate(points)
-        ]
+        local = [k.let(f"q_{i + 1}{at}", turned(cosine, -sine, r)) for i, r in enumerate(points)]
         normals = [self._across(t) for t in slides]
         along = [
             k.let(f"g_{i + 1}{at}", dot(n, q) - h)
@@ -237,31 +233,18 @@ class SlidePlatform(Platform):
         ]
         centre = k.let(f"o{at}", lines_meet(normals, along, weights), "Q^T (p - s_1)")
         ends = [k.let(f"S_{i + 1}{at}", q - centre, "S_i in the platform frame") for i, q in enumerate(local)]
-        det_j = _moments(weights, normals, ends)
+        det_j = concurrence(weights, normals, ends)
         if self.space is Space.SPATIAL:
             det_j = det_j * _area(ends)
         return Mode(
             cosine,
             sine,
-            sp.Matrix([cosine * centre[0] - sine * centre[1], sine * centre[0] + cosine * centre[1]]),
+            turned(cosine, sine, centre),
             tuple(dot(t, end) - start for t, end, start in zip(slides, ends, starts, strict=True)),
             det_j,
         )
 
 
-CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-
-
-def _weights(normals: Sequence[sp.Matrix]) -> list[Any]:
-    """lambda_i = n_j x n_k, for which sum lambda_i n_i = 0."""
-    return [cross2(normals[j], normals[l]) for _, j, l in CYCLIC]
-
-
-def _moments(weights: Sequence[Any], normals: Sequence[sp.Matrix], points: Sequence[sp.Matrix]) -> Any:
-    """det J_a: the sum of lambda_i times the moment of line i."""
-    return sum((w * cross2(s, n) for w, n, s in zip(weights, normals, points, strict=True)), sp.Integer(0))
-
-
 def _area(points: Sequence[sp.Matrix]) -> Any:
     """det J_n: twice the signed area of S_1 S_2 S_3."""
-    return sum((cross2(points[i], points[j]) for i, j, _ in CYCLIC), sp.Integer(0))
+    return sum((cross2(points[i], points[j]) for i, j in ((0, 1), (1, 2), (2, 0))), sp.Integer(0))
