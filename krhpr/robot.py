@@ -437,7 +437,8 @@ class Robot:
 
     def forward_all(self, s: ArrayLike, *, turned: bool = False, **options: Unpack[Options]) -> Any:
         """(p, Q, redundant, det_J, count): every pose that holds the end points s (..., 3, 3), along a first
-        core axis; `turned` gives those of the platform turned over in place of the others.
+        core axis; `turned` gives those of the platform turned over in place of the others.  Arrangement (a)
+        adds `doubtful`, 1 where two solutions all but coincide and are left out.
         """
         if self._takes("forward_all", "turned"):
             return self._answer("forward_all", (s, -1.0 if turned else 1.0), options)

@@ -26,13 +26,6 @@ typedef struct {
     int ends[2];                      /* signs at the ends, 0 where a root is taken to lie; once known they do not change */
 } krhpr_roots_interval;
 
-static inline void krhpr_copy(double *to, const double *from, int n)
-{
-    for (int k = 0; k < n; ++k) {
-        to[k] = from[k];
-    }
-}
-
 static inline int krhpr_roots_sign(double value, double error)
 {
     return (value > error) - (value < -error);

@@ -112,7 +112,7 @@ class EachRoot:
     count: str = "count"
     doubtful: str = "doubtful"
     found: str = "found"
-    """The variable with the number of solutions and doubtful places together."""
+    """The variable that is zero where there is no solution, and none in doubt."""
 
 
 @dataclass(frozen=True)
@@ -271,7 +271,9 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
         if call.each is not None:
             for name in (call.each.count, call.each.doubtful):
                 found[name] = Variable(name, outputs[name], False, "output")
-            number = Port(call.each.found, (1,), Unit.NONE, Frame.NONE, "solutions and doubtful places")
+            number = Port(
+                call.each.found, (1,), Unit.NONE, Frame.NONE, "solutions, and 1 more where some are in doubt"
+            )
             found[number.name] = Variable(number.name, number, False, "local")
     for name in outputs:
         if name not in found:

@@ -73,7 +73,7 @@ def _reachable(
     inputs: dict[str, list[Any]] = {}
     joints = {name: [Ball(x) for x in batch.values[name][0][0].tolist()] for name in ("s", "theta")}
     posture = subject.kernel("subleg", "posture", joints, geometry, 0, BALLS)
-    ties = _ties(subject, geometry)
+    ties = subject.ties(geometry, BALLS)
     for port in ports:
         value = batch.values.get(port.name)
         if value is None and port.name in posture:
@@ -90,14 +90,6 @@ def _reachable(
     if any(port.name == "Q" for port in ports) and subject.planar:
         inputs["Q"] = [Ball(value) for value in source.rotation(2)]
     return geometry, inputs
-
-
-def _ties(subject: Subject, geometry: Fields) -> Outputs:
-    """What the forward kinematics knows of all legs' places on the platform."""
-    if all(kernel.name != "tie" for kernel in subject.code.platform.kernels):
-        return {}
-    legs = [subject.kernel("platform", "tie", {}, geometry, leg, BALLS) for leg in range(LEGS)]
-    return {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
 
 
 # -- printed texts ---------------------------------------------------------------------------------

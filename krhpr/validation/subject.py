@@ -112,6 +112,11 @@ class Subject:
         found = self.derived(part, kernel) if isinstance(kernel, str) else kernel
         return evaluate_kernel(found, inputs, prepared, arithmetic)
 
+    def ties(self, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
+        """What the forward kinematics knows of all legs' places on the platform."""
+        legs = [self.kernel("platform", "tie", {}, geometry, leg, arithmetic) for leg in range(LEGS)]
+        return {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
+
     def function(
         self, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
     ) -> Outputs:

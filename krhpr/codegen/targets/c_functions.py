@@ -363,43 +363,33 @@ class _Plan:
         return f"{name} + {self._offsets[key]}" if self._offsets[key] else name
 
     def _tails(self, call: Call, phases: Phases) -> dict[str, str]:
-        """Where the body leaves the operands of its arctangents; they are computed after the loop."""
+        """Where the body leaves the operands of its arctangents; they are computed after the loop over the
+        legs, or after the platform's kernels.
+        """
         if not phases.tails:
             return {}
-        if call.stage is Stage.PLATFORM:
-            return self._platform_tails(call, phases)
-        if call.stage is not Stage.LEG:
+        if call.stage is Stage.SHARED:
             raise ValueError(f"{call.part}.{call.kernel}: arctangents of shared kernels are not put off")
-        first = f"{self.tail_count} + " if self.tail_count else ""
-        where = f"{first}{phases.tail_size} * i"
+        per_leg = call.stage is Stage.LEG
+        stores = self.tail_stores if per_leg else self.platform_tail_stores
+        first = str(self.tail_count) if self.tail_count else ""
+        where = " + ".join(term for term in (first, f"{phases.tail_size} * i" if per_leg else "") if term)
         for tail in phases.tails:
             variable = self.known[call.variable_out(tail.port.name)]
             if variable.kind != "output":
                 raise ValueError(
                     f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output"
                 )
+            size = len(tail.slots)
             for index, slot in enumerate(tail.slots):
-                size = len(tail.slots)
-                target = f"{variable.name}[{f'{size} * i + {index}' if size > 1 else 'i'}]"
-                self.tail_stores.append((target, f"tail[{where} + {slot}]"))
-        self.tail_count += phases.tail_size * LEGS
-        return {"tail_y": f"tail_y + {where}", "tail_x": f"tail_x + {where}"}
-
-    def _platform_tails(self, call: Call, phases: Phases) -> dict[str, str]:
-        """The same for a kernel of the whole platform."""
-        first = self.tail_count
-        for tail in phases.tails:
-            variable = self.known[call.variable_out(tail.port.name)]
-            if variable.kind != "output":
-                raise ValueError(
-                    f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output"
-                )
-            for index, slot in enumerate(tail.slots):
-                target = f"{variable.name}[{index}]" if variable.port.shape else f"*{variable.name}"
-                self.platform_tail_stores.append((target, f"tail[{first + slot}]"))
-        self.tail_count += phases.tail_size
-        at = f" + {first}" if first else ""
-        return {"tail_y": f"tail_y{at}", "tail_x": f"tail_x{at}"}
+                place = str(index)
+                if per_leg:
+                    place = f"{size} * i + {index}" if size > 1 else "i"
+                scalar = not per_leg and not variable.port.shape
+                target = f"*{variable.name}" if scalar else f"{variable.name}[{place}]"
+                stores.append((target, f"tail[{where} + {slot}]" if where else f"tail[{slot}]"))
+        self.tail_count += phases.tail_size * (LEGS if per_leg else 1)
+        return {name: f"{name} + {where}" if where else name for name in ("tail_y", "tail_x")}
 
     def _text(
         self, call: Call, part: Part, kernel: Kernel, special: dict[str, str], indent: int | None = None

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import prod
 from typing import Any
 
-from krhpr.codegen.kernel import LEGS
 from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
@@ -35,10 +35,7 @@ def assembly_modes(subject: Subject, check: Check, count: int) -> Measured:
                 pose = {name: one[name] for name in ("p", "phi" if subject.planar else "Q")}
                 residual = here.call("constraints", **pose)["residual"]
                 found.equal(residual, [Ball(0)] * len(residual), f"solution {mode + 1} closes")
-                product: Any = Ball(1)
-                for factor in here.call("type_2_of_redundant", redundant=one["redundant"])["type_2"]:
-                    product = product * factor
-                found.equal(one["det_J"], [product], f"det J of solution {mode + 1}")
+                found.equal(one["det_J"], [_det_J(here, one["redundant"])], f"det J of solution {mode + 1}")
                 again = here.call("redundant_coordinates", **pose)["redundant"]
                 found.equal(one["redundant"], again, f"redundant coordinates of solution {mode + 1}")
                 poses.append([*one["p"], *one["redundant"]])
@@ -57,8 +54,7 @@ def mode_on_one_side(subject: Subject, check: Check, count: int) -> Measured:
         for _ in range(count):
             here = configuration_in_balls(subject, source)
             every = here.call("forward_all", turned=[Ball(1)])
-            legs = [here.kernel("platform", "tie", leg) for leg in range(LEGS)]
-            ties = {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
+            ties = subject.ties(here.geometry, BALLS)
             names = ("p", "phi" if subject.planar else "Q", "redundant")
             for place, side in enumerate((1, -1)):
                 inputs = {"s": here.values["s"], **ties, "side": [Ball(side)]}
@@ -81,9 +77,8 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
     with ball_precision():
         for _ in range(count):
             here = configuration_in_balls(subject, source)
-            legs = [here.kernel("platform", "tie", leg) for leg in range(LEGS)]
             inputs: dict[str, list[Any]] = {"s": here.values["s"], "turned": [Ball(1)]}
-            inputs |= {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
+            inputs |= subject.ties(here.geometry, BALLS)
             result = subject.kernel("platform", "sextic", inputs, here.geometry, 0, BALLS)
             for _ in range(3):
                 T = Ball(source.nonzero())
@@ -103,12 +98,15 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
             beside = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
             gaps = [(a - b).to_float() for a, b in zip(beside["p"], here.values["p"], strict=True)]
             found.equal([Ball(int(max(map(abs, gaps)) < 1e-20))], [Ball(1)], "beside the root")
-            product: Any = Ball(1)
-            for factor in here.call("type_2_of_redundant")["type_2"]:
-                product = product * factor
-            found.equal(pose["det_J"], [product], "det J at the root")
+            found.equal(pose["det_J"], [_det_J(here, pose["redundant"])], "det J at the root")
             found.samples += 1
     return found
+
+
+def _det_J(here: Configuration, redundant: list[Any]) -> Any:
+    """det J from its factors, which depend on the redundant coordinates alone."""
+    factors = here.call("type_2_of_redundant", redundant=redundant)["type_2"]
+    return prod(factors, start=Ball(1))
 
 
 def _value(coefficients: list[Any], x: Any, y: Any) -> Any:
