@@ -11,6 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import krhpr
+from krhpr.generated.python.runtime import at_roots
 from krhpr.validation.sampling import rotations
 from tests.support import ROOT
 
@@ -101,6 +102,58 @@ def test_the_pose_is_among_the_roots(identifier: str, full: bool) -> None:
     place = np.nonzero(kept)
     residual = robot.constraints(found.p[kept], found[1][kept], s[place[0]])
     assert np.abs(residual).max() < 1e-10
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_two_poses_with_one_orientation(backend: str) -> None:
+    """Where z_2 and z_3 are parallel, so that D = 0, a pose and its mirror image share phi: a double root.
+
+    Beside it the elimination loses most digits of a_1.  What is returned closes the platform all the same,
+    and what could not be found is in doubt.
+    """
+    rng = np.random.default_rng(12)
+    misses = 0
+    for _ in range(60):
+        b = 0.12 * (np.array([[1, 0], [-0.5, 0.8], [-0.5, -0.9]]) + 0.2 * rng.normal(size=(3, 2)))
+        phi, along = rng.uniform(-3, 3), rng.normal(size=2)
+        R = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
+        a = np.array([0.05, 0.02]) + 0.01 * rng.normal(size=2)
+        z = np.outer([0.0, *rng.uniform(0.02, 0.06, 2)], along / np.linalg.norm(along))
+        robot = krhpr.load("planar_rr_a", backend=backend).with_geometry(
+            platform_azimuth=np.arctan2(b[:, 1], b[:, 0]),
+            R_p=np.hypot(*b.T),
+            l_r=np.linalg.norm(a + z, axis=1),
+        )
+        s = (b - b[0]) @ R.T - z
+        assert robot.forward_all(s).doubtful
+        beside = s + 10.0 ** rng.uniform(-10, -3, (40, 1, 1)) * rng.normal(size=(40, 3, 2))
+        found, status = robot.forward_all(beside, status=True)
+        assert np.isin(status, (0, krhpr.Status.NO_ASSEMBLY)).all()
+        kept = np.isfinite(found.det_J)
+        residual = robot.constraints(found.p[kept], found.phi[kept], beside[np.nonzero(kept)[0]])
+        assert np.abs(residual).max(initial=0.0) < 1e-10
+        assert (found.count == kept.sum(axis=-1)).all()
+        assert ((found.count % 2 == 0) | (found.doubtful == 1)).all()
+        misses += int((found.doubtful == 1).sum())
+    assert misses > 0
+
+
+@pytest.mark.parametrize(("wrong", "left"), [((), 3), ((0.5,), 2), ((-1.0, 0.5, 2.0), 0)])
+def test_a_root_that_misses_is_left_out_and_in_doubt(wrong: tuple[float, ...], left: int) -> None:
+    """The roots -1, 1/2 and 2, in the order of -T; another polynomial in the batch has none of them."""
+
+    def step(root: tuple[Any, Any]) -> tuple[tuple[Any, ...], ...]:
+        T = root[0] / root[1]
+        miss = np.where(np.isclose(T[..., None], wrong).any(axis=-1), 1.0, 0.0)
+        return (T, 10 * T), (-T,), (miss,)
+
+    c = np.array([np.convolve([1.0, 1.0], np.convolve([-0.5, 1.0], [-2.0, 1.0])), [5.0, 1.0, 0.0, 0.0]])
+    rows, _, (count,), (doubtful,), (found,) = at_roots(step, tuple(c.T), 0.0, 0.5, 1)
+    T, tenfold = np.array(rows)[0::2, 0], np.array(rows)[1::2, 0]
+    expected = [value for value in (2.0, 0.5, -1.0) if value not in wrong]
+    assert T[:left] == pytest.approx(expected) and np.isnan(T[left:]).all()
+    assert tenfold[:left] == pytest.approx(10 * T[:left])
+    assert (count[0], doubtful[0], found[0]) == (left, bool(wrong), left + bool(wrong))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
