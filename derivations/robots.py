@@ -24,7 +24,7 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.forward import SIDE, TURNED, forward_ports
-from krhpr.derivations.platforms.revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
+from krhpr.derivations.platforms.forward_revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
 

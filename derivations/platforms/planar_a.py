@@ -12,7 +12,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryType, Kernel, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms import revolute
+from krhpr.derivations.platforms import forward_revolute
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.spatial_a import BETA, FIELDS, revolute_factors
 from krhpr.derivations.terms import Pose, Space
@@ -89,4 +89,4 @@ class PlanarA(Platform):
         return [revolute_factors(redundant, geometry)]
 
     def forward_kernels(self) -> tuple[Kernel, ...]:
-        return revolute.forward_kernels(self)
+        return forward_revolute.forward_kernels(self)

@@ -14,7 +14,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms import revolute
+from krhpr.derivations.platforms import forward_revolute
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.terms import Joint, JointKind, Pose, Space
@@ -152,4 +152,4 @@ class SpatialA(Platform):
         return [revolute_factors(redundant, geometry), area]
 
     def forward_kernels(self) -> tuple[Kernel, ...]:
-        return revolute.forward_kernels(self)
+        return forward_revolute.forward_kernels(self)
