@@ -548,7 +548,13 @@ def test_backends_agree(identifier: str, name: str, full: bool) -> None:
     given = arguments(robots[0], name, 20_000 if full else 200)
     numpy, compiled = (robot.call(name, *given, status=True) for robot in robots)
     assert np.array_equal(numpy[1], compiled[1])
-    assert_same(numpy[0], compiled[0], 1e-9)
+    sure = np.full(np.shape(numpy[1]), True)
+    if "doubtful" in getattr(numpy[0], "_fields", ()):  # what is in doubt may be found by one alone
+        assert np.array_equal(numpy[0].doubtful, compiled[0].doubtful)
+        sure = numpy[0].doubtful == 0
+        assert sure.mean() > 0.95
+    one, other = ([values[sure] for values in results(found)] for found in (numpy[0], compiled[0]))
+    assert_same(tuple(one), tuple(other), 1e-9)
 
 
 @pytest.mark.compiler

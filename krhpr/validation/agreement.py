@@ -10,6 +10,7 @@ import numpy as np
 from krhpr.codegen.composition import RobotFunction
 from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check, Target
+from krhpr.validation.conditioning import SURE, condition
 from krhpr.validation.exact import derivation, in_balls
 from krhpr.validation.numbers import Ball, ball_precision
 from krhpr.validation.numeric import Floats, Numeric, target
@@ -36,12 +37,16 @@ def against_numpy(subject: Subject, check: Check, count: int) -> Measured:
     batch = arguments(subject, check, function, count)
     one, other = target(subject, check.target), target(subject, Target.NUMPY)
     results = [which.call(function.name, batch.of(function), batch.geometry) for which in (one, other)]
-    found = Measured(check, samples=len(batch))
+    growth = condition(function, batch, check.seed)
+    sure = np.isfinite(growth)
+    found = Measured(check, samples=int(sure.sum()))
     for port in function.outputs:
-        error, index = worst_of(relative(port, results[0][port.name], results[1][port.name]))
+        errors = relative(port, results[0][port.name], results[1][port.name]).reshape(len(batch), -1)
+        error, index = worst_of(np.where(sure[:, None], errors / growth[:, None], 0.0))
         found.worse(error, partial(_blame, batch, function, index, port.name, (one, other), check))
+    found.worse(float(sure.mean() < SURE), "too many configurations without a condition")
     if "status" in results[0]:
-        apart = results[0]["status"] != results[1]["status"]
+        apart = (results[0]["status"] != results[1]["status"]) & sure
         found.worse(apart.astype(float), "the statuses differ")
     return found
 
@@ -83,11 +88,12 @@ def error_of_doubles(subject: Subject, check: Check, count: int) -> Measured:
     function = subject.code.function(check.function)
     batch = arguments(subject, check, function, count)
     results = target(subject, check.target).call(function.name, batch.of(function), batch.geometry)
+    growth = condition(function, batch, check.seed)
     found = Measured(check, samples=len(batch))
     for index in range(len(batch)):
         truth = true_values(batch, function, index)
         for port in function.outputs:
-            error = relative(port, results[port.name][index][None], truth[port.name][None])
+            error = relative(port, results[port.name][index][None], truth[port.name][None]) / growth[index]
             found.worse(error, f"{port.name} at sample {index} (seed {check.seed})")
     return found
 

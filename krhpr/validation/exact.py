@@ -27,6 +27,9 @@ from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 TURN = Fraction("6.283185307179586")
 """A full turn as the texts have it."""
 
+NOT_CHOSEN: tuple[tuple[int, ...], ...] = ((),)
+"""The signs of a mode that a function does not have, or that stays as drawn."""
+
 
 # -- kernels ---------------------------------------------------------------------------------------
 
@@ -132,15 +135,16 @@ def _cases_in_balls(
     further.
     """
     names = {port.name for port in function.inputs}
-    modes = subject.code.mode_signs if "mode" in names else ((),)
-    assemblies = subject.code.assembly_signs if "assembly" in names else ((),)
+    modes = subject.code.mode_signs if "mode" in names else NOT_CHOSEN
+    one_platform = "side" in names  # in other assembly modes of legs the end points are not a platform's
+    assemblies = subject.code.assembly_signs if "assembly" in names and not one_platform else NOT_CHOSEN
     for index in range(count):
         batch = draw(subject, check.seed + index, 1, spread=0.1)
         geometry = _balls(batch.geometry)
         for choice in range(max(len(modes), len(assemblies))):
             inputs = in_balls(batch, function, 0)
             for name, signs in (("mode", modes), ("assembly", assemblies)):
-                if name in names:
+                if signs[0]:
                     inputs[name] = [
                         Ball(s) for leg in range(LEGS) for s in signs[(choice + leg) % len(signs)]
                     ]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
+from krhpr.derivations.platforms.forward_revolute import MISS_TOLERANCE
+from krhpr.validation.conditioning import SURE, condition
 from krhpr.validation.differences import arc, call
 from krhpr.validation.invariants.batch import runner
 from krhpr.validation.invariants.position import every_assembly
@@ -14,12 +17,19 @@ from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.sampling import Batch
 from krhpr.validation.scale import relative
 
+PROMISED = sqrt(MISS_TOLERANCE)
+"""How well a solution at a root closes the platform, relative to the links' lengths."""
+
 
 def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
     """Each solution closes the platform; the nearest is the pose."""
     result = call(one, batch, "forward_all")
     modes = result["p"].shape[1]
     pose = batch.pose
+    growth = condition(one.subject.code.function("forward_all"), batch, found.check.seed)
+    known = np.isfinite(growth)
+    # next to a double root a solution keeps what is promised, not more
+    allowed = np.minimum(growth, PROMISED / found.check.tolerance)
     rows = np.abs(call(one, batch, "jacobians")["J"]).max(axis=-1)
     errors = []
     closed = one.subject.platform.closed_forward
@@ -29,16 +39,18 @@ def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
         here = mode < result["count"]
         there = {name: result[name][:, mode] for name in pose}
         residual = call(one, batch, "constraints", **there)["residual"]
-        found.worse((np.abs(residual) / rows)[here], f"residual of solution {mode + 1}")
-        known = call(one, batch, "type_2_of_redundant", redundant=result["redundant"][:, mode])
-        det_J = known["type_2"].prod(axis=-1)
+        found.worse((np.abs(residual) / rows / allowed[:, None])[here], f"residual of solution {mode + 1}")
+        factors = call(one, batch, "type_2_of_redundant", redundant=result["redundant"][:, mode])
+        det_J = factors["type_2"].prod(axis=-1)
         bound = np.linalg.norm(call(one, batch, "jacobians", **there)["J"], axis=-1).prod(axis=-1)
         found.worse((np.abs(result["det_J"][:, mode] - det_J) / bound)[here], "det J")
         if closed:
-            first = known["margins"][:, 0] * (1 if mode == 0 else -1)
+            first = factors["margins"][:, 0] * (1 if mode == 0 else -1)
             found.worse((first <= 0).astype(float), f"solution {mode + 1} is on the wrong side")
         errors.append(_distance(batch, {**there, "redundant": result["redundant"][:, mode]}))
-    found.worse(np.min(np.nan_to_num(errors, nan=np.inf), axis=0), "the pose is missing")
+    nearest = np.min(np.nan_to_num(errors, nan=np.inf), axis=0)
+    found.worse((nearest / growth)[known], "the pose is missing")
+    found.worse(float(known.mean() < SURE), "too many configurations without a condition")
     there_are = np.isfinite(result["det_J"]).sum(axis=-1)
     found.worse((result["count"] != there_are).astype(float), "count")
     odd = there_are % 2 != 0
@@ -50,8 +62,11 @@ def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
 def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     """Each leg in the assembly mode that leads to its end point."""
     side = np.sign(call(one, batch, "type_2_of_redundant")["margins"][:, 0])
-    result = call(one, batch, "forward", side=side, **_assembly(one, batch))
-    found.worse(_distance(batch, result), "pose")
+    assembly = _assembly(one, batch)
+    result = call(one, batch, "forward", side=side, **assembly)
+    whole = batch.changed(side=side, **assembly)
+    growth = condition(one.subject.code.function("forward"), whole, found.check.seed)
+    found.worse(_distance(batch, result) / growth, "pose")
 
 
 def _assembly(one: Numeric, batch: Batch) -> dict[str, Floats]:
