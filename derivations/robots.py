@@ -15,6 +15,7 @@ from krhpr.codegen.composition import (
     Call,
     EachRoot,
     Guard,
+    Only,
     Relation,
     Repeat,
     RobotFunction,
@@ -23,9 +24,12 @@ from krhpr.codegen.composition import (
 )
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
-from krhpr.derivations.platforms.forward import SIDE, TURNED, forward_ports
+from krhpr.derivations.platforms.forward import BOX, CERTIFIED, SIDE, TURNED, forward_ports
 from krhpr.derivations.platforms.forward_revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
 from krhpr.derivations.sublegs.base import SubLeg
+from krhpr.derivations.sublegs.cpr_forward import DEGREE as OCTIC_DEGREE
+from krhpr.derivations.sublegs.cpr_forward import MISS_TOLERANCE as OCTIC_MISS
+from krhpr.derivations.sublegs.cpr_forward import OCTIC, OCTIC_ERROR, octic_ports
 from krhpr.derivations.terms import Space
 
 
@@ -81,6 +85,8 @@ class _Functions:
         yield self._end_points()
         yield self._redundant_coordinates()
         yield self._subleg_forward()
+        if self.robot.subleg.several_assemblies:
+            yield self._subleg_forward_all()
         if self.robot.subleg.has_inverse:
             yield self._subleg_inverse()
         if self.robot.subleg.redundant:
@@ -109,6 +115,7 @@ class _Functions:
             yield self._forward()
         else:
             yield self._forward_at_roots()
+            yield self._forward_only()
 
     # -- pieces ---------------------------------------------------------------------------------------------
 
@@ -199,6 +206,38 @@ class _Functions:
             guards = (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
         inputs = (self.leg.theta, *self.leg.forward_choice)
         return self._function("subleg_forward", doc, "3.5", inputs, (self.leg.s,), (call,), guards)
+
+    def _subleg_forward_all(self) -> RobotFunction:
+        doc = "End points of the sub-legs in every assembly mode, from the actuated joints"
+        if self.robot.subleg.has_forward:
+            return self._function(
+                "subleg_forward_all",
+                f"{doc}; NaN where the loop cannot close.",
+                "3.5",
+                (self.leg.theta,),
+                (self.leg.s_all,),
+                (self._on_leg("subleg", "forward_all"),),
+                (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
+            )
+        return self._subleg_at_roots(doc)
+
+    def _subleg_at_roots(self, doc: str) -> RobotFunction:
+        """Where the assembly modes are the roots of a polynomial, of the 3-CPR's octic."""
+        ports = octic_ports(self.robot.subleg)
+        each = EachRoot(OCTIC.name, OCTIC_DEGREE, OCTIC_ERROR, OCTIC_MISS, ports.volume.name)
+        return self._function(
+            "subleg_forward_all",
+            f"{doc}: the real roots of an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two "
+            "all but coincide, or share the angle about axis 1, they are left out and said to be in doubt.",
+            "2.4.3",
+            (self.leg.theta,),
+            (ports.s, ports.volume, ports.count, ports.doubtful),
+            (
+                self._on_leg("subleg", "octic"),
+                Call(Stage.LEG, "subleg", "at_root", {}, {}, each=each),
+            ),
+            (Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.UNREACHABLE_LEG_1, spoils=("s", "volume")),),
+        )
 
     def _newton(self, kernel: str, unknown: Port, start: str) -> tuple[Call, tuple[Guard, ...]]:
         """A bounded Newton iteration on each leg's loop closure, and the guard that says whether it
@@ -611,6 +650,37 @@ class _Functions:
             tuple(replace(guard, empties=empties) for guard in reversed(guards)),
         )
 
+    def _forward_only(self) -> RobotFunction:
+        subleg = self._subleg_forward()
+        ports = forward_ports(self.robot.space, self.plate.redundant, 0)
+        only = Only()
+        each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name, only=only)
+        family = () if self.planar else (TURNED,)
+        guards = [
+            *([] if self.planar else [self._sign_guard(), self._flatness_guard()]),
+            Guard(only.inside, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
+            Guard(only.ambiguous, 0, Relation.AT_MOST, 0.0, Status.AMBIGUOUS),
+        ]
+        empties = (ports.count.name, CERTIFIED.name)
+        return self._function(
+            "forward",
+            "The pose of the platform and the redundant coordinates from the actuated joints alone: the only "
+            "solution with its redundant angles in the box, without a guess or an extra encoder.  That it is "
+            "the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box "
+            "within (30, 150) deg.",
+            "3.2.1",
+            (*subleg.inputs, BOX, *family),
+            (ports.p, ports.orientation, ports.redundant, ports.count, CERTIFIED),
+            (
+                *subleg.calls,
+                self._on_leg("platform", "tie"),
+                Call(Stage.PLATFORM, "platform", "uniqueness", {}, {}),
+                Call(Stage.PLATFORM, "platform", "sextic", {}, {}),
+                Call(Stage.PLATFORM, "platform", "assembly", {}, {}, each=each),
+            ),
+            (*subleg.guards, *(replace(guard, empties=empties) for guard in guards)),
+        )
+
     def _forward(self) -> RobotFunction:
         subleg = self._subleg_forward()
         ports = forward_ports(self.robot.space, self.plate.redundant, 0)
@@ -620,7 +690,7 @@ class _Functions:
             "on the known side of type II: no guess and no extra encoder.",
             "3.6",
             (*subleg.inputs, SIDE),
-            (ports.p, ports.orientation, ports.redundant),
+            (ports.p, ports.orientation, ports.redundant, ports.count, CERTIFIED),
             (
                 *subleg.calls,
                 self._on_leg("platform", "tie"),

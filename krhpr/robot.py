@@ -240,6 +240,13 @@ class Robot:
         choice = self._assembly_choice("subleg_forward", assembly, near)
         return self._answer("subleg_forward", (theta, *choice), options)
 
+    def subleg_forward_all(self, theta: ArrayLike, **options: Unpack[Options]) -> Any:
+        """End points (..., 3, assembly modes, 3) of closed-loop sub-legs in every assembly mode, in the order
+        of `assemblies`.  Those of three spheres (3-UPS, 3-UPU, Delta): first the one towards
+        (c_2 - c_1) x (c_3 - c_1).  The 3-CPR gives (s, volume, count, doubtful): up to eight.
+        """
+        return self._answer("subleg_forward_all", (theta,), options)
+
     def subleg_inverse(
         self, s: ArrayLike, *, swivel: ArrayLike | None = None, **options: Unpack[Options]
     ) -> Any:
@@ -440,11 +447,20 @@ class Robot:
         core axis; `turned` gives those of the platform turned over in place of the others.  Arrangement (a)
         adds `doubtful`, 1 where two solutions all but coincide and are left out.
         """
-        if self._takes("forward_all", "turned"):
-            return self._answer("forward_all", (s, -1.0 if turned else 1.0), options)
+        return self._answer("forward_all", (s, *self._family("forward_all", turned)), options)
+
+    def _family(self, function: str, turned: bool) -> tuple[float, ...]:
+        """The argument `turned`, where there is one."""
+        if self._takes(function, "turned"):
+            return (-1.0 if turned else 1.0,)
         if turned:
-            raise UnknownBranch(f"{self.identifier}.forward_all: a planar platform cannot be turned over")
-        return self._answer("forward_all", (s,), options)
+            raise UnknownBranch(f"{self.identifier}.{function}: a planar platform cannot be turned over")
+        return ()
+
+    @property
+    def box(self) -> np.ndarray[Any, Any]:
+        """Where `forward` looks for redundant angles unless told (3, 2), rad; empty for slides."""
+        return np.array(getattr(self._module, "DEFAULT_BOX", ()))
 
     def forward(
         self,
@@ -452,15 +468,33 @@ class Robot:
         assembly: Branch | None = None,
         *,
         near: ArrayLike | None = None,
-        side: ArrayLike = 1.0,
+        side: ArrayLike | None = None,
+        box: ArrayLike | None = None,
+        turned: bool = False,
         **options: Unpack[Options],
     ) -> Any:
-        """(p, Q, redundant) from the actuated joints theta (..., 3, n) alone: the one pose on a `side` of
-        type II, +1 (where the first margin of `singularity` is positive) or -1.  `assembly` and `near`
-        choose the sub-legs' assembly modes as in `subleg_forward`.
+        """(p, Q, redundant, count, certified) from the actuated joints theta (..., 3, n) alone.
+
+        Arrangement (a): the only pose with its redundant angles in `box` (..., 3, 2), low and high for each
+        leg, in radians; from 30 to 150 degrees, or within the limits of the robot's file, unless given.
+        `certified` is 1 where a theorem says that there is no other, and 0 where it is the only one among
+        the `count` found; the status is AMBIGUOUS where several lie in the box, NO_ASSEMBLY where none does.
+        `turned` looks for the platform turned over.
+
+        Arrangements (b) and (c): the one pose on a `side` of type II, +1 (where the first margin of
+        `singularity` is positive, and unless given) or -1: always certain.
+
+        `assembly` and `near` choose the sub-legs' assembly modes as in `subleg_forward`.
         """
         choice = self._assembly_choice("forward", assembly, near)
-        return self._answer("forward", (theta, *choice, side), options)
+        if self._takes("forward", "side"):
+            if box is not None or turned:
+                raise UnknownBranch(f"{self.identifier}.forward: side=+1 or -1 chooses the pose, no box")
+            return self._answer("forward", (theta, *choice, 1.0 if side is None else side), options)
+        if side is not None:
+            raise UnknownBranch(f"{self.identifier}.forward: box=... chooses the pose, no side")
+        family = self._family("forward", turned)
+        return self._answer("forward", (theta, *choice, self.box if box is None else box, *family), options)
 
     # -- how a call is made ---------------------------------------------------------------------------------
 

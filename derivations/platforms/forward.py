@@ -29,6 +29,22 @@ TURNED = Port(
 SIDE = Port(
     "side", (), Unit.NONE, Frame.NONE, "+1 for the side of type II where the first margin is positive, or -1"
 )
+BOX = Port(
+    "box",
+    (2,),
+    Unit.RADIAN,
+    Frame.JOINT,
+    "the least and the largest redundant angle of the answer; an angle is given with the full turns that "
+    "bring it there",
+    Layout.STACKED,
+)
+CERTIFIED = Port(
+    "certified",
+    (),
+    Unit.NONE,
+    Frame.NONE,
+    "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`",
+)
 FLATNESS = Port(
     "flatness", (1,), Unit.NONE, Frame.NONE, "squared sine of the angle at S_1 in the triangle S_1 S_2 S_3"
 )

@@ -15,6 +15,7 @@ double zero there.  So every simple root is a solution, and what the elimination
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import radians
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -22,6 +23,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.forward import (
+    BOX,
     TURNED,
     Mode,
     Plane,
@@ -31,6 +33,7 @@ from krhpr.derivations.platforms.forward import (
     write_modes,
 )
 from krhpr.derivations.platforms.kernels import all_legs
+from krhpr.derivations.polynomials import linear, product
 from krhpr.derivations.terms import Space
 from krhpr.derivations.vectors import E, concurrence, cross2, dependence, dot, lines_meet, turned
 
@@ -59,13 +62,20 @@ SEXTIC_ERROR = 1e-14
 """What rounding makes of the coefficients, relative to the sum of their sizes."""
 MISS_TOLERANCE = 1e-18
 """A solution holds the links' lengths to a billionth; a root that is none misses them by far."""
+CERTIFICATE = Port(
+    "certificate", (14,), Unit.MIXED, Frame.NONE, "at least zero where a box holds one solution"
+)
+ALIKE = sp.Rational(1, 10**9)
+"""Lengths that differ by less, relatively, are equal: manufacturing is coarser by far."""
+LEAST, LARGEST = (sp.Rational(repr(radians(degrees))) for degrees in (30, 150))
+"""The box in which the theorem holds."""
 STEPS = 2
 """Newton steps behind each root: one takes away what the elimination loses, one is for safety."""
 
 
 def forward_kernels(plate: Platform) -> tuple[Kernel, ...]:
     """Kernels of the forward kinematics: what a leg contributes, the sextic, the pose at one of its roots."""
-    return _tie(plate), _sextic(plate), _assembly(plate)
+    return _tie(plate), _sextic(plate), _assembly(plate), _uniqueness()
 
 
 def _tie(plate: Platform) -> Kernel:
@@ -75,19 +85,6 @@ def _tie(plate: Platform) -> Kernel:
     k.add_output(ANCHOR, k.g.b)
     k.add_output(LENGTH, k.g.l_r)
     return k.kernel()
-
-
-def _linear(constant: Any, cosine: Any, sine: Any) -> list[Any]:
-    """constant + cosine cos(phi) + sine sin(phi), times 1 + T^2, in powers of T."""
-    return [constant + cosine, 2 * sine, constant - cosine]
-
-
-def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-    found = [sp.Integer(0)] * (len(a) + len(b) - 1)
-    for i, left in enumerate(a):
-        for j, right in enumerate(b):
-            found[i + j] += left * right
-    return found
 
 
 def _sextic(plate: Platform) -> Kernel:
@@ -110,7 +107,7 @@ def _sextic(plate: Platform) -> Kernel:
     squares = [
         name(
             f"z{i + 2}",
-            _linear(dot(d[i], d[i]) + dot(r[i], r[i]), -2 * along[i][i], -2 * across[i][i]),
+            linear(dot(d[i], d[i]) + dot(r[i], r[i]), -2 * along[i][i], -2 * across[i][i]),
         )
         for i in (0, 1)
     ]
@@ -124,17 +121,17 @@ def _sextic(plate: Platform) -> Kernel:
     ]
     inner = name(
         "w",
-        _linear(dot(d[0], d[1]) + dot(r[0], r[1]), -along[0][1] - along[1][0], -across[0][1] - across[1][0]),
+        linear(dot(d[0], d[1]) + dot(r[0], r[1]), -along[0][1] - along[1][0], -across[0][1] - across[1][0]),
     )
     outer = name(
         "D",
-        _linear(
+        linear(
             cross2(d[0], d[1]) + cross2(r[0], r[1]), across[1][0] - across[0][1], along[0][1] - along[1][0]
         ),
     )
-    e22, e33 = name("e22", _product(gaps[0], gaps[0])), name("e33", _product(gaps[1], gaps[1]))
-    e23, dd = name("e23", _product(gaps[0], gaps[1])), name("DD", _product(outer, outer))
-    terms = (_product(e22, squares[1]), _product(e33, squares[0]), _product(e23, inner), _product(dd, one))
+    e22, e33 = name("e22", product(gaps[0], gaps[0])), name("e33", product(gaps[1], gaps[1]))
+    e23, dd = name("e23", product(gaps[0], gaps[1])), name("DD", product(outer, outer))
+    terms = (product(e22, squares[1]), product(e33, squares[0]), product(e23, inner), product(dd, one))
     k.add_output(SEXTIC, [a + b - 2 * c - 4 * lengths[0] ** 2 * e for a, b, c, e in zip(*terms, strict=True)])
     return k.kernel()
 
@@ -173,6 +170,38 @@ def _assembly(plate: Platform) -> Kernel:
     misses = [dot(v, v) - length**2 for v, length in zip(a, lengths, strict=True)]
     size = sum(length**2 for length in lengths)
     k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
+    return k.kernel()
+
+
+def _uniqueness() -> Kernel:
+    """Where the theorem of errata 4 holds: |S_i S_j|^2 as functions of the redundant angles have a Jacobian
+    whose principal minors are positive in the open box (30, 150) deg, so that they are one to one
+    (Gale-Nikaido); the end points are congruent for no two poses with their angles in it.
+    """
+    k = KernelWriter(
+        "uniqueness",
+        "Where a box holds one solution: margins that are all at least zero there.",
+        "errata 4, (1.35)",
+    )
+    anchors, lengths = all_legs(k, ANCHOR), all_legs(k, LENGTH)
+    bounds = all_legs(k, BOX)
+    radii = [k.let(f"R_{i + 1}", dot(b, b)) for i, b in enumerate(anchors)]
+    sides = [anchors[1] - anchors[0], anchors[2] - anchors[1], anchors[0] - anchors[2]]
+    squares = [k.let(f"side_{i + 1}", dot(side, side)) for i, side in enumerate(sides)]
+    alike = [
+        (radii[1], radii[0]),
+        (radii[2], radii[0]),
+        (squares[1], squares[0]),
+        (squares[2], squares[0]),
+        (lengths[1], lengths[0]),
+        (lengths[2], lengths[0]),
+    ]
+    margins = [ALIKE**2 - (a / b - 1) ** 2 for a, b in alike]
+    margins.append(cross2(sides[0], sides[1]))  # the legs go round counterclockwise
+    margins.append(sp.Rational(9, 16) * radii[0] * (1 - ALIKE) - lengths[0] ** 2)  # l < 3 R / 4
+    for bound in bounds:
+        margins += [bound[0] - LEAST, LARGEST - bound[1]]
+    k.add_output(CERTIFICATE, margins)
     return k.kernel()
 
 

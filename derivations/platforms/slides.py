@@ -18,9 +18,11 @@ from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Por
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.forward import (
+    CERTIFIED,
     SIDE,
     TURNED,
     Mode,
+    forward_ports,
     plane_of,
     stacked,
     unit_sign,
@@ -209,7 +211,12 @@ class SlidePlatform(Platform):
             cosine = k.let(f"cos{at}", a * middle - sign * b * root)
             sine = k.let(f"sin{at}", b * middle + sign * a * root)
             modes.append(self._mode(k, at, (cosine, sine), points, slides, distances, starts, weights))
-        write_modes(k, plane, modes, PlatformPorts(self).redundant, several=choice is None)
+        joint = PlatformPorts(self).redundant
+        write_modes(k, plane, modes, joint, several=choice is None)
+        if choice is not None:
+            # the other solution is on the other side
+            k.add_output(forward_ports(self.space, joint, 0).count, sp.Integer(2))
+            k.add_output(CERTIFIED, sp.Integer(1))
         return k.kernel()
 
     def _mode(

@@ -35,6 +35,7 @@ import sympy as sp
 from krhpr.codegen.kernel import GeometryType, Kernel, Port
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.requirements import Requirement
+from krhpr.derivations.sublegs.circles import Meeting
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
 from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured
@@ -142,6 +143,16 @@ class SubLeg(ABC):
         """
         raise NotImplementedError(f"{self.name} has no forward kinematics in closed form")
 
+    def forward_all(self, k: KernelWriter, theta: sp.Matrix) -> list[Meeting]:
+        """Every end point where a point nearby chooses among them."""
+        raise NotImplementedError(f"{self.name} has no forward kinematics in closed form")
+
+    def forward_at_roots(self) -> tuple[Kernel, Kernel] | None:
+        """Where a polynomial's roots are the assembly modes: the kernel that gives its coefficients, and the
+        one that gives the end point at a root.
+        """
+        return None
+
     def inverse(
         self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any
     ) -> tuple[list[Any], list[Any]]:
@@ -232,6 +243,11 @@ class SubLeg(ABC):
     def assembly_count(self) -> int:
         """The most assembly modes that it has for the same actuated joints."""
         return self.assemblies_near if self.assembly_by_point else len(self.assemblies)
+
+    @property
+    def several_assemblies(self) -> bool:
+        """Whether it can be assembled in several ways for the same actuated joints."""
+        return self.assembly_count > 1
 
     @property
     def assembly_by_point(self) -> bool:

@@ -31,10 +31,30 @@ def meet(k: KernelWriter, line: sp.Matrix, first2: Any, second2: Any, sign: Any)
     return Meeting(k.let("meeting", along * line + across * (E * line)), radicand)
 
 
-def meet_spheres(k: KernelWriter, centres: list[sp.Matrix], squares: list[Any], near: sp.Matrix) -> Meeting:
-    """Where three spheres with these squared radii meet, on the side of `near` of the plane of their
-    centres.
-    """
+@dataclass(frozen=True)
+class SpheresMeeting:
+    """Both points where three spheres meet: mirrored in the plane of their centres."""
+
+    origin: sp.Matrix
+    foot: sp.Matrix
+    normal: sp.Matrix
+    radicand: Any
+
+    def near(self, k: KernelWriter, point: sp.Matrix) -> Meeting:
+        """The one on the side of a point."""
+        side = k.let("side", dot(point - self.origin, self.normal))
+        height = k.let("height", sp.sqrt(self.radicand) * side / k.absolute(side))
+        return Meeting(self.origin + self.foot + height * self.normal, self.radicand)
+
+    def both(self, k: KernelWriter) -> list[Meeting]:
+        """Both, first the one on the side of the normal (c_2 - c_1) x (c_3 - c_1)."""
+        height = k.let("height", sp.sqrt(self.radicand))
+        middle = self.origin + self.foot
+        return [Meeting(middle + sign * height * self.normal, self.radicand) for sign in (1, -1)]
+
+
+def meet_spheres(k: KernelWriter, centres: list[sp.Matrix], squares: list[Any]) -> SpheresMeeting:
+    """Where three spheres about these centres, with these squared radii, meet."""
     origin = centres[0]
     a = k.let("g_12", centres[1] - origin)
     b = k.let("g_13", centres[2] - origin)
@@ -45,6 +65,4 @@ def meet_spheres(k: KernelWriter, centres: list[sp.Matrix], squares: list[Any], 
     q_3 = k.let("q_3", (dot(b, b) + squares[0] - squares[2]) / 2)
     foot = k.let("foot", (q_2 * cross(b, n) + q_3 * cross(n, a)) / n2, "in the plane of the centres")
     radicand = k.let("h2", (squares[0] - dot(foot, foot)) / n2)
-    side = k.let("side", dot(near - origin, n))
-    height = k.let("height", sp.sqrt(radicand) * side / k.absolute(side))
-    return Meeting(origin + foot + height * n, radicand)
+    return SpheresMeeting(origin, foot, n, radicand)

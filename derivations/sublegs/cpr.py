@@ -4,8 +4,9 @@ Each chain has a passive cylindrical joint whose axis e_k is fixed in the base, 
 normal to it, and a revolute joint parallel to it on the platform, which keeps its orientation as long as the
 axes are not all parallel.  g_k is c_k - v_k of (2.52), any point of the axis seen from the platform's joint.
 
-Three quadrics meet in up to eight points: there is no closed form of the forward kinematics, and Newton
-steps lead from a point nearby to the assembly mode that it belongs to.
+Three quadrics meet in up to eight points: there is no closed form of the forward kinematics.  Newton steps
+lead from a point nearby to the assembly mode that it belongs to; all modes are the roots of an octic
+(`cpr_forward.py`).
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Posture
 from krhpr.derivations.sublegs.carriers import BASE_FIELDS, begin_geometry, leg_axes, radial, write_leg_frame
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row
+from krhpr.derivations.sublegs.cpr_forward import forward_kernels
 from krhpr.derivations.terms import Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import cross, dot
 
@@ -82,6 +84,12 @@ class CPR3(ChainSubLeg):
             )
             centres.append(c + symbols[f"x_{n}"] * e_x + symbols[f"y_{n}"] * e_1 + symbols[f"z_{n}"] * e_t)
         k.output("e", _rows(directions), Unit.NONE, Frame.BASE, "axes e_k, a row for each chain")
+        tilt, turn = symbols["tilt_1"], symbols["turn_1"]
+        away = sp.cos(turn) * e_1 + sp.sin(turn) * e_t
+        normals = [sp.cos(tilt) * away - sp.sin(tilt) * e_x, sp.cos(turn) * e_t - sp.sin(turn) * e_1]
+        k.output(
+            "n", _rows(normals), Unit.NONE, Frame.BASE, "two normals of axis 1, to measure angles about it"
+        )
         k.output("g", _rows(centres), Unit.METRE, Frame.BASE, "points g_k, a row for each chain")
         return GeometryType(f"subleg_{self.name}", self.doc, fields, k.kernel())
 
@@ -98,6 +106,9 @@ class CPR3(ChainSubLeg):
 
     def scales(self, k: KernelWriter) -> tuple[Any, Any]:
         return k.g.R_b, k.g.R_b
+
+    def forward_at_roots(self) -> tuple[Kernel, Kernel]:
+        return forward_kernels(self)
 
     def inverse(
         self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any

@@ -16,7 +16,7 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward, Posture
 from krhpr.derivations.sublegs.carriers import E_Z, leg_axes
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row, triad_geometry
-from krhpr.derivations.sublegs.circles import meet_spheres
+from krhpr.derivations.sublegs.circles import Meeting, SpheresMeeting, meet_spheres
 from krhpr.derivations.sublegs.tripods import RADIUS
 from krhpr.derivations.terms import Joint, JointKind, Link, LinkKind, Sign, Space
 from krhpr.derivations.vectors import cross2, dot
@@ -89,12 +89,18 @@ class Delta(ChainSubLeg):
     def scales(self, k: KernelWriter) -> tuple[Any, Any]:
         return k.g.R, k.g.L * k.g.R
 
-    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
+    def _spheres(self, k: KernelWriter, theta: sp.Matrix) -> SpheresMeeting:
         knees = [
             k.let(f"k_{n}", knee, f"end of arm {n}")
             for n, knee in zip(ARMS, self._knees(k, theta)[0], strict=True)
         ]
-        found = meet_spheres(k, knees, [k.g.R**2] * 3, assembly)
+        return meet_spheres(k, knees, [k.g.R**2] * 3)
+
+    def forward_all(self, k: KernelWriter, theta: sp.Matrix) -> list[Meeting]:
+        return self._spheres(k, theta).both(k)
+
+    def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
+        found = self._spheres(k, theta).near(k, assembly)
         s = k.let("s", found.point)
         return Forward(s, self.posture(k, s, theta), found.radicand)
 

@@ -33,7 +33,13 @@ class SubLegKernels:
     def all(self) -> tuple[Kernel, ...]:
         """Every kernel, in the order in which it is printed."""
         leg = self.leg
-        kernels = [self._forward(), self._forward(posture=True)] if leg.has_forward else [self.forward_step()]
+        if leg.has_forward:
+            forward = self._forward()
+            kernels = [forward, self._forward(posture=True)]
+            if leg.several_assemblies:
+                kernels.append(self._forward_all(forward))
+        else:
+            kernels = [self.forward_step(), *(leg.forward_at_roots() or ())]
         if leg.has_inverse:
             inverse = self._inverse()
             kernels += [inverse, self._inverse_all(inverse), self._reach()]
@@ -78,6 +84,32 @@ class SubLegKernels:
                 k.add_output(port, found.posture[port.name])
         if found.radicand is not None:
             k.output("radicand", found.radicand, doc="not negative where the loop closes")
+        return k.kernel()
+
+    def _forward_all(self, forward: Kernel) -> Kernel:
+        labels = [mode.label for mode in self.leg.assemblies]
+        order = ", ".join(labels) if self.leg.forward_signs else "first the one on the side of the normal"
+        k = KernelWriter(
+            "forward_all",
+            f"End points of the {self.leg.notation} sub-leg in every assembly mode: {order}; NaN where the "
+            "loop cannot close.",
+            "3.5",
+            self.geometry,
+        )
+        theta = k.add_input(self.ports.theta)
+        if self.leg.forward_signs:
+            found = [
+                k.call(forward, theta=theta, assembly=sp.Matrix(mode.signs)) for mode in self.leg.assemblies
+            ]
+            points, radicand = (
+                [mode.s for mode in found],
+                k.maximum(*dict.fromkeys(m.radicand for m in found)),
+            )
+        else:
+            both = self.leg.forward_all(k, theta)
+            points, radicand = [mode.point for mode in both], both[0].radicand
+        k.add_output(self.ports.s_all, points)
+        k.output("radicand", radicand, doc="not negative where the loop closes")
         return k.kernel()
 
     @staticmethod
@@ -442,6 +474,15 @@ class SubLegPorts:
             Frame.BASE,
             "a point near the end point, which chooses the assembly mode",
             stacked,
+        )
+        self.s_all = Port(
+            "s",
+            (subleg.assembly_count, d),
+            Unit.METRE,
+            Frame.BASE,
+            "end point of the sub-leg in every assembly mode",
+            stacked,
+            tuple(mode.label for mode in subleg.assemblies) if assembly else (),
         )
         joint = subleg.swivel
         unit = Unit.RADIAN if joint is None or joint.kind == "revolute" else Unit.METRE

@@ -17,7 +17,7 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Forward
 from krhpr.derivations.sublegs.carriers import leg_axes
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row, strut_angles, triad_geometry
-from krhpr.derivations.sublegs.circles import meet_spheres
+from krhpr.derivations.sublegs.circles import Meeting, SpheresMeeting, meet_spheres
 from krhpr.derivations.terms import Factor, Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import cross, determinant3, dot
 
@@ -60,9 +60,14 @@ class UPS3(ChainSubLeg):
     def scales(self, k: KernelWriter) -> tuple[Any, Any]:
         return k.g.r_g, k.g.r_g
 
+    def _spheres(self, k: KernelWriter, theta: sp.Matrix) -> SpheresMeeting:
+        return meet_spheres(k, [row(k.g.g, n - 1) for n in STRUTS], [rho**2 for rho in theta])
+
+    def forward_all(self, k: KernelWriter, theta: sp.Matrix) -> list[Meeting]:
+        return self._spheres(k, theta).both(k)
+
     def forward(self, k: KernelWriter, theta: sp.Matrix, assembly: sp.Matrix) -> Forward:
-        centres = [row(k.g.g, n - 1) for n in STRUTS]
-        found = meet_spheres(k, centres, [rho**2 for rho in theta], assembly)
+        found = self._spheres(k, theta).near(k, assembly)
         s = k.let("s", found.point)
         return Forward(s, self.posture(k, s, theta), found.radicand)
 

@@ -994,7 +994,8 @@ KRHPR_API int krhpr_planar_pp_c_forward_all_batch(
 
 KRHPR_API int krhpr_planar_pp_c_forward(
     const krhpr_planar_pp_c_geometry *g, const double theta[6], double side, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
+    double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[6];
@@ -1006,6 +1007,8 @@ KRHPR_API int krhpr_planar_pp_c_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1016,7 +1019,7 @@ KRHPR_API int krhpr_planar_pp_c_forward(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
-        s, slide, side, breadth, assembly_radicand, sign, p, redundant, tail_y, tail_x);
+        s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(sign[0] >= 0.5)) {
@@ -1032,6 +1035,8 @@ KRHPR_API int krhpr_planar_pp_c_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1044,7 +1049,8 @@ KRHPR_API int krhpr_planar_pp_c_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_pp_c_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

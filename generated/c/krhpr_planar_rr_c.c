@@ -1095,7 +1095,8 @@ KRHPR_API int krhpr_planar_rr_c_forward_all_batch(
 
 KRHPR_API int krhpr_planar_rr_c_forward(
     const krhpr_planar_rr_c_geometry *g, const double theta[6], double side, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
+    double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[6];
@@ -1107,6 +1108,8 @@ KRHPR_API int krhpr_planar_rr_c_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(6)] = {0.0};
@@ -1124,7 +1127,7 @@ KRHPR_API int krhpr_planar_rr_c_forward(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
-        s, slide, side, breadth, assembly_radicand, sign, p, redundant, tail_y, tail_x);
+        s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(sign[0] >= 0.5)) {
@@ -1140,6 +1143,8 @@ KRHPR_API int krhpr_planar_rr_c_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1152,7 +1157,8 @@ KRHPR_API int krhpr_planar_rr_c_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_c_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

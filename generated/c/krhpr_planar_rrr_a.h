@@ -448,6 +448,31 @@ KRHPR_API int krhpr_planar_rrr_a_forward_all_batch(
     const krhpr_planar_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
+/* The pose of the platform and the redundant coordinates from the actuated joints alone: the only solution
+ * with its redundant angles in the box, without a guess or an extra encoder.  That it is the only one is
+ * certain for equilateral platforms with equal links l < 3 R_p / 4 and a box within (30, 150) deg.  Thesis:
+ * 3.2.1.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   in     box (3 x 2, rad, joint frame): the least and the largest redundant angle of the answer; an angle
+ *          is given with the full turns that bring it there; NULL for the default
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
+ *          clockwise from +z'
+ *   out    count (scalar): number of solutions
+ *   out    certified (scalar): 1 where a theorem says that there is no other answer, 0 where it is the only
+ *          one of `count`
+ */
+KRHPR_API int krhpr_planar_rrr_a_forward(
+    const krhpr_planar_rrr_a_geometry *g, const double theta[9], const double box[6],
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified);
+/* Batch: in = theta (9), box (6); out = p (2), phi (1), redundant (3), count (1), certified (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rrr_a_forward_batch(
+    const krhpr_planar_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1219,7 +1219,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_all_batch(
 
 KRHPR_API int krhpr_planar_rrr_b_forward(
     const krhpr_planar_rrr_b_geometry *g, const double theta[9], double side, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
+    double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[6];
@@ -1233,6 +1234,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(9)] = {0.0};
@@ -1250,7 +1253,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
-        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, tail_y, tail_x);
+        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
+        tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(sign[0] >= 0.5)) {
@@ -1266,6 +1270,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1278,7 +1284,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_b_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

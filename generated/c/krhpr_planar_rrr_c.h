@@ -444,11 +444,15 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_batch(
  *   out    p (2, m, base frame): position of O'
  *   out    phi (scalar, rad, base frame): orientation, base from platform
  *   out    redundant (3, m, joint frame): slide delta_i along t_i, from O', signed
+ *   out    count (scalar): number of solutions
+ *   out    certified (scalar): 1 where a theorem says that there is no other answer, 0 where it is the only
+ *          one of `count`
  */
 KRHPR_API int krhpr_planar_rrr_c_forward(
     const krhpr_planar_rrr_c_geometry *g, const double theta[9], double side, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant);
-/* Batch: in = theta (9), side (1); out = p (2), phi (1), redundant (3); steps count doubles (status: ints)
+    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
+    double *KRHPR_RESTRICT certified);
+/* Batch: in = theta (9), side (1); out = p (2), phi (1), redundant (3), count (1), certified (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_planar_rrr_c_forward_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],

@@ -337,7 +337,8 @@ static inline void krhpr_platform_planar_c_assembly_modes(
 static inline void krhpr_platform_planar_c_assembly_mode(
     const double s[6], const double slide[6], double side, double *KRHPR_RESTRICT breadth,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -380,6 +381,8 @@ static inline void krhpr_platform_planar_c_assembly_mode(
     redundant[0] = -(slide[0] * o_0 + slide[1] * o_1);
     redundant[1] = slide[2] * S_2_0 + slide[3] * S_2_1;
     redundant[2] = slide[4] * S_3_0 + slide[5] * S_3_1;
+    *count = 2.0;
+    *certified = 1.0;
     tail_y[0] = sin;
     tail_x[0] = cos;
 }

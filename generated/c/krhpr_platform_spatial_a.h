@@ -717,4 +717,46 @@ static inline void krhpr_platform_spatial_a_assembly(
     tail_x[2] = anchor[4] * u_3_0 + anchor[5] * u_3_1;
 }
 
+/* Where a box holds one solution: margins that are all at least zero there.  Thesis: errata 4, (1.35).  (32
+ * add, 28 multiply, 3 divide) */
+static inline void krhpr_platform_spatial_a_uniqueness(
+    const double anchor[6], const double length[3], const double box[6], double *KRHPR_RESTRICT certificate)
+{
+    const double R_1 = anchor[0] * anchor[0] + anchor[1] * anchor[1];
+    const double R_2 = anchor[2] * anchor[2] + anchor[3] * anchor[3];
+    const double R_3 = anchor[4] * anchor[4] + anchor[5] * anchor[5];
+    const double t1 = anchor[2] - anchor[0];
+    const double t2 = anchor[3] - anchor[1];
+    const double side_1 = t1 * t1 + t2 * t2;
+    const double t3 = anchor[4] - anchor[2];
+    const double t4 = anchor[5] - anchor[3];
+    const double side_2 = t3 * t3 + t4 * t4;
+    const double t5 = anchor[0] - anchor[4];
+    const double t6 = anchor[1] - anchor[5];
+    const double side_3 = t5 * t5 + t6 * t6;
+    const double t7 = 1.0 / R_1;
+    const double t8 = R_2 * t7 - 1.0;
+    const double t9 = R_3 * t7 - 1.0;
+    const double t10 = 1.0 / side_1;
+    const double t11 = side_2 * t10 - 1.0;
+    const double t12 = side_3 * t10 - 1.0;
+    const double t13 = 1.0 / length[0];
+    const double t14 = length[1] * t13 - 1.0;
+    const double t15 = length[2] * t13 - 1.0;
+    certificate[0] = (1.0 / 1000000000000000000.0) - t8 * t8;
+    certificate[1] = (1.0 / 1000000000000000000.0) - t9 * t9;
+    certificate[2] = (1.0 / 1000000000000000000.0) - t11 * t11;
+    certificate[3] = (1.0 / 1000000000000000000.0) - t12 * t12;
+    certificate[4] = (1.0 / 1000000000000000000.0) - t14 * t14;
+    certificate[5] = (1.0 / 1000000000000000000.0) - t15 * t15;
+    certificate[6] = t1 * t4 - t2 * t3;
+    certificate[7] = R_1 * (8999999991.0 / 16000000000.0) - length[0] * length[0];
+    certificate[8] = box[0] - (1308996938995747.0 / 2500000000000000.0);
+    certificate[9] = (409061543436171.0 / 156250000000000.0) - box[1];
+    certificate[10] = box[2] - (1308996938995747.0 / 2500000000000000.0);
+    certificate[11] = (409061543436171.0 / 156250000000000.0) - box[3];
+    certificate[12] = box[4] - (1308996938995747.0 / 2500000000000000.0);
+    certificate[13] = (409061543436171.0 / 156250000000000.0) - box[5];
+}
+
 #endif

@@ -6,6 +6,7 @@
 #include "krhpr_spatial_cpr3_c.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_roots.h"
 
 
 KRHPR_API int krhpr_spatial_cpr3_c_prepare(krhpr_spatial_cpr3_c_geometry *g)
@@ -222,6 +223,87 @@ KRHPR_API int krhpr_spatial_cpr3_c_subleg_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_c_subleg_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_spatial_cpr3_c_subleg_forward_all(
+    const krhpr_spatial_cpr3_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s,
+    double *KRHPR_RESTRICT volume, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT doubtful)
+{
+    int status = KRHPR_OK;
+    double found[3];
+    if (!(krhpr_taint(theta, 9) == 0.0)) {
+        krhpr_fill_nan(s, 72);
+        krhpr_fill_nan(volume, 24);
+        krhpr_fill_nan(count, 3);
+        krhpr_fill_nan(doubtful, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        double octic[9];
+        krhpr_subleg_cpr3_octic(&g->subleg[i], theta + 3 * i, octic);
+        {
+            double root_x[8];
+            double root_y[8];
+            int in_doubt = 0;
+            int kept = 0;
+            const int roots = krhpr_real_roots(8, octic, 1e-14, root_x, root_y, &in_doubt);
+            for (int k = 0; k < roots; ++k) {
+                const double root[2] = {root_x[k], root_y[k]};
+                double miss[1];
+                double s_at[3];
+                double volume_at[1];
+                krhpr_subleg_cpr3_at_root(&g->subleg[i], root, theta + 3 * i, s_at, volume_at, miss);
+                if (!(miss[0] <= 1e-18)) {
+                    continue;
+                }
+                int place = kept;
+                for (int below = kept - 1; below >= 0; --below) {
+                    if (volume[8 * i + below] <= volume_at[0]) {
+                        break;
+                    }
+                    krhpr_copy(s + 24 * i + 3 * (below + 1), s + 24 * i + 3 * below, 3);
+                    krhpr_copy(volume + 8 * i + 1 * (below + 1), volume + 8 * i + 1 * below, 1);
+                    place = below;
+                }
+                krhpr_copy(s + 24 * i + 3 * place, s_at, 3);
+                krhpr_copy(volume + 8 * i + 1 * place, volume_at, 1);
+                ++kept;
+            }
+            krhpr_fill_nan(s + 24 * i + 3 * kept, 3 * (8 - kept));
+            krhpr_fill_nan(volume + 8 * i + 1 * kept, 1 * (8 - kept));
+            /* every simple root is a solution: one that misses was not found well enough */
+            in_doubt = in_doubt > 0 || roots > kept;
+            count[i] = (double)kept;
+            doubtful[i] = (double)in_doubt;
+            found[i] = (double)(kept + in_doubt);
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(found[i] >= 1.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(s + 24 * i, 24);
+            krhpr_fill_nan(volume + 8 * i, 8);
+        }
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_cpr3_c_subleg_forward_all_batch(
+    const krhpr_spatial_cpr3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_cpr3_c_subleg_forward_all(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -1061,7 +1143,8 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_all_batch(
 
 KRHPR_API int krhpr_spatial_cpr3_c_forward(
     const krhpr_spatial_cpr3_c_geometry *g, const double theta[9], const double s_near[9], double side,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[9];
@@ -1075,6 +1158,8 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1096,7 +1181,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
-        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
     for (int i = 0; i < 3; ++i) {
         if (!(change[i] <= 1e-20)) {
             status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
@@ -1118,6 +1203,8 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1131,7 +1218,8 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_c_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3], out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

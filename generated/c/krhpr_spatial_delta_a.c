@@ -9,6 +9,7 @@
 #include "krhpr_roots.h"
 
 static const double mode_default[9] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.5235987755982988, 2.6179938779914944, 0.5235987755982988, 2.6179938779914944};
 
 KRHPR_API int krhpr_spatial_delta_a_prepare(krhpr_spatial_delta_a_geometry *g)
 {
@@ -223,6 +224,50 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_subleg_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all(
+    const krhpr_spatial_delta_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
+{
+    int status = KRHPR_OK;
+    double radicand[3];
+    if (!(krhpr_taint(theta, 9) == 0.0)) {
+        krhpr_fill_nan(s, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_delta_forward_all_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_delta_forward_all(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(s + 6 * i, 6);
+        }
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all_batch(
+    const krhpr_spatial_delta_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_delta_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -1296,6 +1341,150 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all_batch(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4], out[5] + k * out_step[5]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_spatial_delta_a_forward(
+    const krhpr_spatial_delta_a_geometry *g, const double theta[9], const double s_near[9],
+    const double box[6], double turned, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified)
+{
+    int status = KRHPR_OK;
+    double s[9];
+    double radicand[3];
+    double anchor[6];
+    double length[3];
+    double certificate[14];
+    double sign[1];
+    double flatness[1];
+    double points[6];
+    double axes[9];
+    double sextic[7];
+    double det_J;
+    double inside[1];
+    double ambiguous[1];
+    if (box == NULL) {
+        box = box_default;
+    }
+    if (!(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1) == 0.0)) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_delta_forward_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_delta_forward(
+            &g->subleg[i], s_near + 3 * i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+    }
+    krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
+    krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
+    {
+        double root_x[6];
+        double root_y[6];
+        int in_doubt = 0;
+        int kept = 0;
+        int in_box = 0;
+        const int roots = krhpr_real_roots(6, sextic, 1e-14, root_x, root_y, &in_doubt);
+        for (int k = 0; k < roots; ++k) {
+            const double root[2] = {root_x[k], root_y[k]};
+            double miss[1];
+            double p_at[3];
+            double Q_at[9];
+            double redundant_at[3];
+            double det_J_at[1];
+            double root_tail_y[KRHPR_PADDED(3)] = {0.0};
+            double root_tail_x[KRHPR_PADDED(3)] = {0.0};
+            double root_tail[KRHPR_PADDED(3)];
+            krhpr_platform_spatial_a_assembly(
+                root, s, anchor, length, points, axes, p_at, Q_at, det_J_at, miss, root_tail_y, root_tail_x);
+            if (!(miss[0] <= 1e-18)) {
+                continue;
+            }
+            krhpr_atan2_array(3, root_tail_y, root_tail_x, root_tail);
+            redundant_at[0] = root_tail[0];
+            redundant_at[1] = root_tail[1];
+            redundant_at[2] = root_tail[2];
+            int outside = 0;
+            for (int j = 0; j < 3; ++j) {
+                const double turn = 6.283185307179586;
+                const double low = box[2 * j];
+                redundant_at[j] -= turn * floor((redundant_at[j] - low) / turn);
+                outside += !(redundant_at[j] <= box[2 * j + 1]);
+            }
+            if (outside == 0) {
+                krhpr_copy(p, p_at, 3);
+                krhpr_copy(Q, Q_at, 9);
+                krhpr_copy(redundant, redundant_at, 3);
+                ++in_box;
+            }
+            ++kept;
+        }
+        int proven = 1;
+        for (int j = 0; j < 14; ++j) {
+            proven = proven && certificate[j] >= 0.0;
+        }
+        /* every simple root is a solution: one that misses was not found well enough */
+        in_doubt = in_doubt > 0 || roots > kept;
+        *count = (double)kept;
+        *certified = (double)proven;
+        inside[0] = (double)(in_box + in_doubt);
+        ambiguous[0] = (double)(in_box > 1 || (in_doubt && (!proven || in_box == 0)));
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+        }
+    }
+    if (!(sign[0] >= 0.5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
+    if (!(flatness[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(inside[0] >= 1.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
+    }
+    if (!(ambiguous[0] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_AMBIGUOUS : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        *count = 0.0;
+        *certified = 0.0;
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_delta_a_forward_batch(
+    const krhpr_spatial_delta_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_delta_a_forward(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
+            *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -113,6 +113,20 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* End points of the sub-legs in every assembly mode, from the actuated joints; NaN where the loop cannot
+ * close.  Thesis: 3.5.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    s (3 x 2 x 3, m, base frame): end point of the sub-leg in every assembly mode
+ */
+KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all(
+    const krhpr_spatial_delta_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s);
+/* Batch: in = theta (9); out = s (18); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all_batch(
+    const krhpr_spatial_delta_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
@@ -472,6 +486,35 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all(
 /* Batch: in = s (9), turned (1); out = p (18), Q (54), redundant (18), det_J (6), count (1), doubtful (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_delta_a_forward_all_batch(
+    const krhpr_spatial_delta_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose of the platform and the redundant coordinates from the actuated joints alone: the only solution
+ * with its redundant angles in the box, without a guess or an extra encoder.  That it is the only one is
+ * certain for equilateral platforms with equal links l < 3 R_p / 4 and a box within (30, 150) deg.  Thesis:
+ * 3.2.1.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   in     s_near (3 x 3, m, base frame): a point near the end point, which chooses the assembly mode
+ *   in     box (3 x 2, rad, joint frame): the least and the largest redundant angle of the answer; an angle
+ *          is given with the full turns that bring it there; NULL for the default
+ *   in     turned (scalar): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its
+ *          legs, -1 for the one turned over
+ *   out    p (3, m, base frame): position of O'
+ *   out    Q (3 x 3, base frame): orientation, base from platform
+ *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
+ *          clockwise from +z'
+ *   out    count (scalar): number of solutions
+ *   out    certified (scalar): 1 where a theorem says that there is no other answer, 0 where it is the only
+ *          one of `count`
+ */
+KRHPR_API int krhpr_spatial_delta_a_forward(
+    const krhpr_spatial_delta_a_geometry *g, const double theta[9], const double s_near[9],
+    const double box[6], double turned, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified);
+/* Batch: in = theta (9), s_near (9), box (6), turned (1); out = p (3), Q (9), redundant (3), count (1), certified (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_delta_a_forward_batch(
     const krhpr_spatial_delta_a_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);

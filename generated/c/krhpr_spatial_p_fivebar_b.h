@@ -108,6 +108,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* End points of the sub-legs in every assembly mode, from the actuated joints; NaN where the loop cannot
+ * close.  Thesis: 3.5.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [d, theta_2, theta_3]
+ *   out    s (3 x 2 x 3, m, base frame): end point of the sub-leg in every assembly mode [left, right]
+ */
+KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward_all(
+    const krhpr_spatial_p_fivebar_b_geometry *g, const double theta[9], double *KRHPR_RESTRICT s);
+/* Batch: in = theta (9); out = s (18); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward_all_batch(
+    const krhpr_spatial_p_fivebar_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
@@ -465,11 +479,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_all_batch(
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
+ *   out    count (scalar): number of solutions
+ *   out    certified (scalar): 1 where a theorem says that there is no other answer, 0 where it is the only
+ *          one of `count`
  */
 KRHPR_API int krhpr_spatial_p_fivebar_b_forward(
     const krhpr_spatial_p_fivebar_b_geometry *g, const double theta[9], const double assembly[3],
-    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant);
-/* Batch: in = theta (9), assembly (3), side (1); out = p (3), Q (9), redundant (3); steps count doubles (status: ints)
+    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified);
+/* Batch: in = theta (9), assembly (3), side (1); out = p (3), Q (9), redundant (3), count (1), certified (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_p_fivebar_b_forward_batch(
     const krhpr_spatial_p_fivebar_b_geometry *g, size_t count, const double *const in[],

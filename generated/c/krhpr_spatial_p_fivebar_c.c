@@ -216,6 +216,51 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward_all(
+    const krhpr_spatial_p_fivebar_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
+{
+    int status = KRHPR_OK;
+    double radicand[3];
+    if (!(krhpr_taint(theta, 9) == 0.0)) {
+        krhpr_fill_nan(s, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(6)] = {0.0};
+    double sine[KRHPR_PADDED(6)];
+    double cosine[KRHPR_PADDED(6)];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_p_fivebar_forward_all_angles(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_sincos_array(6, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_p_fivebar_forward_all(
+            &g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(s + 6 * i, 6);
+        }
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward_all_batch(
+    const krhpr_spatial_p_fivebar_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_c_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_inverse(
     const krhpr_spatial_p_fivebar_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
@@ -1134,7 +1179,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_all_batch(
 
 KRHPR_API int krhpr_spatial_p_fivebar_c_forward(
     const krhpr_spatial_p_fivebar_c_geometry *g, const double theta[9], const double assembly[3],
-    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[9];
@@ -1151,6 +1197,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(6)] = {0.0};
@@ -1167,7 +1215,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
-        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
@@ -1189,6 +1237,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1202,7 +1252,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_c_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3], out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

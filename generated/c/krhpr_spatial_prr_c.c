@@ -1023,7 +1023,8 @@ KRHPR_API int krhpr_spatial_prr_c_forward_all_batch(
 
 KRHPR_API int krhpr_spatial_prr_c_forward(
     const krhpr_spatial_prr_c_geometry *g, const double theta[9], double side, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
+    double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[9];
@@ -1036,6 +1037,8 @@ KRHPR_API int krhpr_spatial_prr_c_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(6)] = {0.0};
@@ -1050,7 +1053,7 @@ KRHPR_API int krhpr_spatial_prr_c_forward(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
-        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
     if (!(sign[0] >= 0.5)) {
         status = status == KRHPR_OK ? KRHPR_NO_ASSEMBLY : status;
     }
@@ -1067,6 +1070,8 @@ KRHPR_API int krhpr_spatial_prr_c_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1079,7 +1084,8 @@ KRHPR_API int krhpr_spatial_prr_c_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_c_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

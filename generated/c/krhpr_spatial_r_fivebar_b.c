@@ -221,6 +221,51 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_subleg_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_r_fivebar_b_subleg_forward_all(
+    const krhpr_spatial_r_fivebar_b_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
+{
+    int status = KRHPR_OK;
+    double radicand[3];
+    if (!(krhpr_taint(theta, 9) == 0.0)) {
+        krhpr_fill_nan(s, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(9)] = {0.0};
+    double sine[KRHPR_PADDED(9)];
+    double cosine[KRHPR_PADDED(9)];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_forward_all_angles(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_sincos_array(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_r_fivebar_forward_all(
+            &g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (!(radicand[i] >= 0.0)) {
+            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(s + 6 * i, 6);
+        }
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_r_fivebar_b_subleg_forward_all_batch(
+    const krhpr_spatial_r_fivebar_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_r_fivebar_b_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_r_fivebar_b_subleg_inverse(
     const krhpr_spatial_r_fivebar_b_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
@@ -1246,7 +1291,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward_all_batch(
 
 KRHPR_API int krhpr_spatial_r_fivebar_b_forward(
     const krhpr_spatial_r_fivebar_b_geometry *g, const double theta[9], const double assembly[3],
-    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant)
+    double side, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified)
 {
     int status = KRHPR_OK;
     double s[9];
@@ -1265,6 +1311,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(9)] = {0.0};
@@ -1280,7 +1328,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
-        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
+        certified);
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
@@ -1302,6 +1351,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
     }
     return status;
 }
@@ -1315,7 +1366,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_r_fivebar_b_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3], out[4] + k * out_step[4]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -455,11 +455,15 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_all_batch(
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
+ *   out    count (scalar): number of solutions
+ *   out    certified (scalar): 1 where a theorem says that there is no other answer, 0 where it is the only
+ *          one of `count`
  */
 KRHPR_API int krhpr_spatial_tripteron_c_forward(
     const krhpr_spatial_tripteron_c_geometry *g, const double theta[9], double side,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant);
-/* Batch: in = theta (9), side (1); out = p (3), Q (9), redundant (3); steps count doubles (status: ints)
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified);
+/* Batch: in = theta (9), side (1); out = p (3), Q (9), redundant (3), count (1), certified (1); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_tripteron_c_forward_batch(
     const krhpr_spatial_tripteron_c_geometry *g, size_t count, const double *const in[],

@@ -37,12 +37,13 @@ typedef struct {
     double e_1[3]; /* first axis */
     double e_t[3]; /* tangential direction */
     double e[9]; /* axes e_k, a row for each chain */
+    double n[6]; /* two normals of axis 1, to measure angles about it */
     double g[9]; /* points g_k, a row for each chain */
-    double k[38]; /* sub-expressions of the geometry alone, computed once */
+    double k[64]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_cpr3_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (69 add, 124 multiply, 2 divide, 8 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (124 add, 196 multiply, 2 divide, 8 sine
  * cosine) */
 static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
 {
@@ -58,28 +59,65 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
     const double t6 = e_t_1 * t2 + e_r_1 * t3;
     double t7, t8; krhpr_sincos(g->tilt_1, &t7, &t8);
     double t9, t10; krhpr_sincos(g->turn_1, &t9, &t10);
-    const double t11 = t4 * t8 + t7 * (t2 * t10 + e_r_1 * t9);
-    const double e_01 = t7 * (e_t_1 * t9 - t3 * t10) - t5 * t8;
+    const double t11 = t2 * t10 + e_r_1 * t9;
+    const double t12 = t4 * t8 + t7 * t11;
+    const double t13 = e_t_1 * t9 - t3 * t10;
+    const double e_01 = t7 * t13 - t5 * t8;
     const double e_02 = t7 * (e_1_2 * t10) - t6 * t8;
-    double t12, t13; krhpr_sincos(g->tilt_2, &t12, &t13);
-    double t14, t15; krhpr_sincos(g->turn_2, &t14, &t15);
-    const double t16 = t4 * t13 + t12 * (t2 * t15 + e_r_1 * t14);
-    const double e_11 = t12 * (e_t_1 * t14 - t3 * t15) - t5 * t13;
-    const double e_12 = t12 * (e_1_2 * t15) - t6 * t13;
-    double t17, t18; krhpr_sincos(g->tilt_3, &t17, &t18);
-    double t19, t20; krhpr_sincos(g->turn_3, &t19, &t20);
-    const double t21 = t4 * t18 + t17 * (t2 * t20 + e_r_1 * t19);
-    const double e_21 = t17 * (e_t_1 * t19 - t3 * t20) - t5 * t18;
-    const double e_22 = t17 * (e_1_2 * t20) - t6 * t18;
-    const double t22 = t3 * e_02 + e_1_2 * e_01;
-    const double k_21 = t2 * e_02 - e_1_2 * t11;
-    const double t23 = t2 * e_01 + t3 * t11;
-    const double t24 = t3 * e_12 + e_1_2 * e_11;
-    const double k_27 = t2 * e_12 - e_1_2 * t16;
-    const double t25 = t2 * e_11 + t3 * t16;
-    const double t26 = t3 * e_22 + e_1_2 * e_21;
-    const double k_33 = t2 * e_22 - e_1_2 * t21;
-    const double t27 = t2 * e_21 + t3 * t21;
+    double t14, t15; krhpr_sincos(g->tilt_2, &t14, &t15);
+    double t16, t17; krhpr_sincos(g->turn_2, &t16, &t17);
+    const double t18 = t4 * t15 + t14 * (t2 * t17 + e_r_1 * t16);
+    const double e_11 = t14 * (e_t_1 * t16 - t3 * t17) - t5 * t15;
+    const double e_12 = t14 * (e_1_2 * t17) - t6 * t15;
+    double t19, t20; krhpr_sincos(g->tilt_3, &t19, &t20);
+    double t21, t22; krhpr_sincos(g->turn_3, &t21, &t22);
+    const double t23 = t4 * t20 + t19 * (t2 * t22 + e_r_1 * t21);
+    const double e_21 = t19 * (e_t_1 * t21 - t3 * t22) - t5 * t20;
+    const double e_22 = t19 * (e_1_2 * t22) - t6 * t20;
+    const double n_00 = t4 * t7 - t8 * t11;
+    const double n_01 = t8 * t13 + t5 * t7;
+    const double n_02 = t10 * (e_1_2 * t8) + t6 * t7;
+    const double n_10 = t2 * t9 - e_r_1 * t10;
+    const double n_11 = e_t_1 * t10 + t3 * t9;
+    const double t24 = e_1_2 * t9;
+    const double g_00 = c_0 - g->y_1 * t2 - g->z_1 * e_r_1 - g->x_1 * t4;
+    const double g_01 = c_1 - g->y_1 * t3 + g->z_1 * e_t_1 - g->x_1 * t5;
+    const double g_02 = c_2 + g->y_1 * e_1_2 - g->x_1 * t6;
+    const double g_10 = c_0 - g->y_2 * t2 - g->z_2 * e_r_1 - g->x_2 * t4;
+    const double g_11 = c_1 - g->y_2 * t3 + g->z_2 * e_t_1 - g->x_2 * t5;
+    const double g_12 = c_2 + g->y_2 * e_1_2 - g->x_2 * t6;
+    const double g_20 = c_0 - g->y_3 * t2 - g->z_3 * e_r_1 - g->x_3 * t4;
+    const double g_21 = c_1 - g->y_3 * t3 + g->z_3 * e_t_1 - g->x_3 * t5;
+    const double g_22 = c_2 + g->y_3 * e_1_2 - g->x_3 * t6;
+    const double t25 = g_00 - g_10;
+    const double t26 = g_01 - g_11;
+    const double t27 = g_02 - g_12;
+    const double t28 = e_11 * t26 - t18 * t25 + e_12 * t27;
+    const double t29 = e_11 * n_01 - t18 * n_00 + e_12 * n_02;
+    const double t30 = e_11 * n_11 - t18 * n_10 - e_12 * t24;
+    const double t31 = t12 * t18 + e_01 * e_11 + e_02 * e_12;
+    const double t32 = t18 * t31 - t12;
+    const double t33 = e_01 - e_11 * t31;
+    const double t34 = e_02 - e_12 * t31;
+    const double t35 = g_00 - g_20;
+    const double t36 = g_01 - g_21;
+    const double t37 = g_02 - g_22;
+    const double t38 = e_21 * t36 - t23 * t35 + e_22 * t37;
+    const double t39 = e_21 * n_01 - t23 * n_00 + e_22 * n_02;
+    const double t40 = e_21 * n_11 - t23 * n_10 - e_22 * t24;
+    const double t41 = t12 * t23 + e_01 * e_21 + e_02 * e_22;
+    const double t42 = t23 * t41 - t12;
+    const double t43 = e_01 - e_21 * t41;
+    const double t44 = e_02 - e_22 * t41;
+    const double t45 = t3 * e_02 + e_1_2 * e_01;
+    const double k_47 = t2 * e_02 - e_1_2 * t12;
+    const double t46 = t2 * e_01 + t3 * t12;
+    const double t47 = t3 * e_12 + e_1_2 * e_11;
+    const double k_53 = t2 * e_12 - e_1_2 * t18;
+    const double t48 = t2 * e_11 + t3 * t18;
+    const double t49 = t3 * e_22 + e_1_2 * e_21;
+    const double k_59 = t2 * e_22 - e_1_2 * t23;
+    const double t50 = t2 * e_21 + t3 * t23;
     g->c[0] = c_0;
     g->c[1] = c_1;
     g->c[2] = c_2;
@@ -92,33 +130,39 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
     g->e_t[0] = -e_r_1;
     g->e_t[1] = e_t_1;
     g->e_t[2] = 0.0;
-    g->e[0] = -t11;
+    g->e[0] = -t12;
     g->e[1] = e_01;
     g->e[2] = e_02;
-    g->e[3] = -t16;
+    g->e[3] = -t18;
     g->e[4] = e_11;
     g->e[5] = e_12;
-    g->e[6] = -t21;
+    g->e[6] = -t23;
     g->e[7] = e_21;
     g->e[8] = e_22;
-    g->g[0] = c_0 - g->y_1 * t2 - g->z_1 * e_r_1 - g->x_1 * t4;
-    g->g[1] = c_1 - g->y_1 * t3 + g->z_1 * e_t_1 - g->x_1 * t5;
-    g->g[2] = c_2 + g->y_1 * e_1_2 - g->x_1 * t6;
-    g->g[3] = c_0 - g->y_2 * t2 - g->z_2 * e_r_1 - g->x_2 * t4;
-    g->g[4] = c_1 - g->y_2 * t3 + g->z_2 * e_t_1 - g->x_2 * t5;
-    g->g[5] = c_2 + g->y_2 * e_1_2 - g->x_2 * t6;
-    g->g[6] = c_0 - g->y_3 * t2 - g->z_3 * e_r_1 - g->x_3 * t4;
-    g->g[7] = c_1 - g->y_3 * t3 + g->z_3 * e_t_1 - g->x_3 * t5;
-    g->g[8] = c_2 + g->y_3 * e_1_2 - g->x_3 * t6;
-    g->k[0] = 1.0 - t11 * t11;
-    g->k[1] = -t11 * e_01;
-    g->k[2] = -t11 * e_02;
-    g->k[3] = 1.0 - t16 * t16;
-    g->k[4] = -t16 * e_11;
-    g->k[5] = -t16 * e_12;
-    g->k[6] = 1.0 - t21 * t21;
-    g->k[7] = -t21 * e_21;
-    g->k[8] = -t21 * e_22;
+    g->n[0] = n_00;
+    g->n[1] = n_01;
+    g->n[2] = n_02;
+    g->n[3] = n_10;
+    g->n[4] = n_11;
+    g->n[5] = -t24;
+    g->g[0] = g_00;
+    g->g[1] = g_01;
+    g->g[2] = g_02;
+    g->g[3] = g_10;
+    g->g[4] = g_11;
+    g->g[5] = g_12;
+    g->g[6] = g_20;
+    g->g[7] = g_21;
+    g->g[8] = g_22;
+    g->k[0] = 1.0 - t12 * t12;
+    g->k[1] = -t12 * e_01;
+    g->k[2] = -t12 * e_02;
+    g->k[3] = 1.0 - t18 * t18;
+    g->k[4] = -t18 * e_11;
+    g->k[5] = -t18 * e_12;
+    g->k[6] = 1.0 - t23 * t23;
+    g->k[7] = -t23 * e_21;
+    g->k[8] = -t23 * e_22;
     g->k[9] = 1.0 - e_01 * e_01;
     g->k[10] = e_01 * e_02;
     g->k[11] = 1.0 - e_11 * e_11;
@@ -128,26 +172,52 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
     g->k[15] = 1.0 - e_02 * e_02;
     g->k[16] = 1.0 - e_12 * e_12;
     g->k[17] = 1.0 - e_22 * e_22;
-    g->k[18] = 1.0 / (g->R_b * (g->R_b * g->R_b));
-    g->k[19] = 1.0 / g->R_b;
-    g->k[20] = -t22;
-    g->k[21] = k_21;
-    g->k[22] = -t23;
-    g->k[23] = -(e_01 * t23 + e_02 * k_21);
-    g->k[24] = -(e_02 * t22 + t11 * t23);
-    g->k[25] = e_01 * t22 - t11 * k_21;
-    g->k[26] = -t24;
-    g->k[27] = k_27;
-    g->k[28] = -t25;
-    g->k[29] = -(e_11 * t25 + e_12 * k_27);
-    g->k[30] = -(e_12 * t24 + t16 * t25);
-    g->k[31] = e_11 * t24 - t16 * k_27;
-    g->k[32] = -t26;
-    g->k[33] = k_33;
-    g->k[34] = -t27;
-    g->k[35] = -(e_21 * t27 + e_22 * k_33);
-    g->k[36] = -(e_22 * t26 + t21 * t27);
-    g->k[37] = e_21 * t26 - t21 * k_33;
+    g->k[18] = t25 + t18 * t28;
+    g->k[19] = t26 - e_11 * t28;
+    g->k[20] = t27 - e_12 * t28;
+    g->k[21] = n_00 + t18 * t29;
+    g->k[22] = n_01 - e_11 * t29;
+    g->k[23] = n_02 - e_12 * t29;
+    g->k[24] = n_10 + t18 * t30;
+    g->k[25] = n_11 - e_11 * t30;
+    g->k[26] = -(t24 + e_12 * t30);
+    g->k[27] = t32 * t32 + t33 * t33 + t34 * t34;
+    g->k[28] = t32 * 2.0;
+    g->k[29] = t33 * 2.0;
+    g->k[30] = t34 * 2.0;
+    g->k[31] = t35 + t23 * t38;
+    g->k[32] = t36 - e_21 * t38;
+    g->k[33] = t37 - e_22 * t38;
+    g->k[34] = n_00 + t23 * t39;
+    g->k[35] = n_01 - e_21 * t39;
+    g->k[36] = n_02 - e_22 * t39;
+    g->k[37] = n_10 + t23 * t40;
+    g->k[38] = n_11 - e_21 * t40;
+    g->k[39] = -(t24 + e_22 * t40);
+    g->k[40] = t42 * t42 + t43 * t43 + t44 * t44;
+    g->k[41] = 2.0 * t42;
+    g->k[42] = 2.0 * t43;
+    g->k[43] = 2.0 * t44;
+    g->k[44] = 1.0 / (g->R_b * (g->R_b * g->R_b));
+    g->k[45] = 1.0 / g->R_b;
+    g->k[46] = -t45;
+    g->k[47] = k_47;
+    g->k[48] = -t46;
+    g->k[49] = -(e_01 * t46 + e_02 * k_47);
+    g->k[50] = -(e_02 * t45 + t12 * t46);
+    g->k[51] = e_01 * t45 - t12 * k_47;
+    g->k[52] = -t47;
+    g->k[53] = k_53;
+    g->k[54] = -t48;
+    g->k[55] = -(e_11 * t48 + e_12 * k_53);
+    g->k[56] = -(e_12 * t47 + t18 * t48);
+    g->k[57] = e_11 * t47 - t18 * k_53;
+    g->k[58] = -t49;
+    g->k[59] = k_59;
+    g->k[60] = -t50;
+    g->k[61] = -(e_21 * t50 + e_22 * k_59);
+    g->k[62] = -(e_22 * t49 + t23 * t50);
+    g->k[63] = e_21 * t49 - t23 * k_59;
 }
 
 /* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
@@ -231,6 +301,306 @@ static inline void krhpr_subleg_cpr3_forward_step(
     s_next[1] = s[1] - t38;
     s_next[2] = s[2] - t40;
     *change = (t36 * t36 + t38 * t38 + t40 * t40) / size;
+}
+
+/* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply) */
+static inline void krhpr_subleg_cpr3_octic(
+    const krhpr_subleg_cpr3_geometry *g, const double theta[3], double *KRHPR_RESTRICT octic)
+{
+    const double a_2_0 = theta[0] * g->k[21];
+    const double a_2_1 = theta[0] * g->k[22];
+    const double a_2_2 = theta[0] * g->k[23];
+    const double b_2_0 = theta[0] * g->k[24];
+    const double b_2_1 = theta[0] * g->k[25];
+    const double b_2_2 = theta[0] * g->k[26];
+    const double p_20_0 = g->k[18] + a_2_0;
+    const double p_20_1 = b_2_0 * 2.0;
+    const double p_20_2 = g->k[18] - a_2_0;
+    const double p_21_0 = g->k[19] + a_2_1;
+    const double p_21_1 = b_2_1 * 2.0;
+    const double p_21_2 = g->k[19] - a_2_1;
+    const double p_22_0 = g->k[20] + a_2_2;
+    const double p_22_1 = b_2_2 * 2.0;
+    const double p_22_2 = g->k[20] - a_2_2;
+    const double B_2_0 = p_20_0 * g->k[28] + p_21_0 * g->k[29] + p_22_0 * g->k[30];
+    const double B_2_1 = p_20_1 * g->k[28] + p_21_1 * g->k[29] + p_22_1 * g->k[30];
+    const double B_2_2 = p_20_2 * g->k[28] + p_21_2 * g->k[29] + p_22_2 * g->k[30];
+    const double t1 = theta[1] * theta[1];
+    const double C_2_0 = p_20_0 * p_20_0 + p_21_0 * p_21_0 + p_22_0 * p_22_0 - t1;
+    const double t2 = p_20_0 * 2.0;
+    const double t3 = 2.0 * p_21_0;
+    const double t4 = 2.0 * p_22_0;
+    const double C_2_1 = p_20_1 * t2 + p_21_1 * t3 + p_22_1 * t4;
+    const double t5 = p_20_1 * p_20_1 + p_21_1 * p_21_1 + p_22_1 * p_22_1 + p_20_2 * t2 + p_21_2 * t3;
+    const double C_2_2 = t5 + p_22_2 * t4 - 2.0 * t1;
+    const double C_2_3 = p_20_2 * (2.0 * p_20_1) + p_21_2 * (2.0 * p_21_1) + p_22_2 * (2.0 * p_22_1);
+    const double C_2_4 = p_20_2 * p_20_2 + p_21_2 * p_21_2 + p_22_2 * p_22_2 - t1;
+    const double a_3_0 = theta[0] * g->k[34];
+    const double a_3_1 = theta[0] * g->k[35];
+    const double a_3_2 = theta[0] * g->k[36];
+    const double b_3_0 = theta[0] * g->k[37];
+    const double b_3_1 = theta[0] * g->k[38];
+    const double b_3_2 = theta[0] * g->k[39];
+    const double p_30_0 = g->k[31] + a_3_0;
+    const double p_30_1 = 2.0 * b_3_0;
+    const double p_30_2 = g->k[31] - a_3_0;
+    const double p_31_0 = g->k[32] + a_3_1;
+    const double p_31_1 = 2.0 * b_3_1;
+    const double p_31_2 = g->k[32] - a_3_1;
+    const double p_32_0 = g->k[33] + a_3_2;
+    const double p_32_1 = 2.0 * b_3_2;
+    const double p_32_2 = g->k[33] - a_3_2;
+    const double B_3_0 = p_30_0 * g->k[41] + p_31_0 * g->k[42] + p_32_0 * g->k[43];
+    const double B_3_1 = p_30_1 * g->k[41] + p_31_1 * g->k[42] + p_32_1 * g->k[43];
+    const double B_3_2 = p_30_2 * g->k[41] + p_31_2 * g->k[42] + p_32_2 * g->k[43];
+    const double t6 = theta[2] * theta[2];
+    const double C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t6;
+    const double t7 = 2.0 * p_30_0;
+    const double t8 = 2.0 * p_31_0;
+    const double t9 = 2.0 * p_32_0;
+    const double C_3_1 = p_30_1 * t7 + p_31_1 * t8 + p_32_1 * t9;
+    const double t10 = p_30_1 * p_30_1 + p_31_1 * p_31_1 + p_32_1 * p_32_1 + p_30_2 * t7 + p_31_2 * t8;
+    const double C_3_2 = t10 + p_32_2 * t9 - 2.0 * t6;
+    const double C_3_3 = p_30_2 * (2.0 * p_30_1) + p_31_2 * (2.0 * p_31_1) + p_32_2 * (2.0 * p_32_1);
+    const double C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t6;
+    const double F_0 = g->k[27] * C_3_0 - C_2_0 * g->k[40];
+    const double F_1 = g->k[27] * C_3_1 - C_2_1 * g->k[40];
+    const double F_2 = g->k[27] * C_3_2 - C_2_2 * g->k[40];
+    const double F_3 = g->k[27] * C_3_3 - C_2_3 * g->k[40];
+    const double F_4 = g->k[27] * C_3_4 - C_2_4 * g->k[40];
+    const double G_0 = g->k[27] * B_3_0 - B_2_0 * g->k[40];
+    const double G_1 = g->k[27] * B_3_1 - B_2_1 * g->k[40];
+    const double G_2 = g->k[27] * B_3_2 - B_2_2 * g->k[40];
+    const double H_0 = B_2_0 * C_3_0 - C_2_0 * B_3_0;
+    const double H_1 = B_2_0 * C_3_1 + B_2_1 * C_3_0 - C_2_1 * B_3_0 - C_2_0 * B_3_1;
+    const double H_2 = B_2_0 * C_3_2 + B_2_1 * C_3_1 + B_2_2 * C_3_0 - C_2_2 * B_3_0 - C_2_1 * B_3_1 - C_2_0 * B_3_2;
+    const double H_3 = B_2_0 * C_3_3 + B_2_1 * C_3_2 + B_2_2 * C_3_1 - C_2_3 * B_3_0 - C_2_2 * B_3_1 - C_2_1 * B_3_2;
+    const double H_4 = B_2_0 * C_3_4 + B_2_1 * C_3_3 + B_2_2 * C_3_2 - C_2_4 * B_3_0 - C_2_3 * B_3_1 - C_2_2 * B_3_2;
+    const double H_5 = B_2_1 * C_3_4 + B_2_2 * C_3_3 - C_2_4 * B_3_1 - C_2_3 * B_3_2;
+    const double H_6 = B_2_2 * C_3_4 - C_2_4 * B_3_2;
+    const double t11 = 2.0 * F_0;
+    const double t12 = 2.0 * F_1;
+    const double t13 = 2.0 * F_2;
+    octic[0] = F_0 * F_0 - G_0 * H_0;
+    octic[1] = F_1 * t11 - G_0 * H_1 - G_1 * H_0;
+    octic[2] = F_1 * F_1 + F_2 * t11 - G_0 * H_2 - G_1 * H_1 - G_2 * H_0;
+    octic[3] = F_3 * t11 + F_2 * t12 - G_0 * H_3 - G_1 * H_2 - G_2 * H_1;
+    octic[4] = F_2 * F_2 + F_4 * t11 + F_3 * t12 - G_0 * H_4 - G_1 * H_3 - G_2 * H_2;
+    octic[5] = F_4 * t12 + F_3 * t13 - G_0 * H_5 - G_1 * H_4 - G_2 * H_3;
+    octic[6] = F_3 * F_3 + F_4 * t13 - G_0 * H_6 - G_1 * H_5 - G_2 * H_4;
+    octic[7] = F_4 * (2.0 * F_3) - G_1 * H_6 - G_2 * H_5;
+    octic[8] = F_4 * F_4 - G_2 * H_6;
+}
+
+/* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266 multiply, 5
+ * divide) */
+static inline void krhpr_subleg_cpr3_at_root(
+    const krhpr_subleg_cpr3_geometry *g, const double root[2], const double theta[3],
+    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT volume, double *KRHPR_RESTRICT miss)
+{
+    const double t1 = root[0] * root[0];
+    const double t2 = root[1] * root[1];
+    const double xy_2 = 1.0 / (t1 + t2);
+    const double cos_t = xy_2 * (t2 - t1);
+    const double sin_t = xy_2 * (root[1] * (root[0] * 2.0));
+    const double foot_0 = g->g[0] + theta[0] * (g->n[0] * cos_t + g->n[3] * sin_t); /* on the cylinder, x = 0 */
+    const double foot_1 = g->g[1] + theta[0] * (g->n[1] * cos_t + g->n[4] * sin_t);
+    const double foot_2 = g->g[2] + theta[0] * (g->n[2] * cos_t + g->n[5] * sin_t);
+    const double t3 = foot_0 - g->g[3];
+    const double t4 = foot_1 - g->g[4];
+    const double t5 = foot_2 - g->g[5];
+    const double t6 = g->e[3] * t3 + g->e[4] * t4 + g->e[5] * t5;
+    const double p_2_0 = t3 - g->e[3] * t6;
+    const double p_2_1 = t4 - g->e[4] * t6;
+    const double p_2_2 = t5 - g->e[5] * t6;
+    const double B_2 = p_2_0 * g->k[28] + p_2_1 * g->k[29] + p_2_2 * g->k[30];
+    const double t7 = foot_0 - g->g[6];
+    const double t8 = foot_1 - g->g[7];
+    const double t9 = foot_2 - g->g[8];
+    const double t10 = g->e[6] * t7 + g->e[7] * t8 + g->e[8] * t9;
+    const double p_3_0 = t7 - g->e[6] * t10;
+    const double p_3_1 = t8 - g->e[7] * t10;
+    const double p_3_2 = t9 - g->e[8] * t10;
+    const double B_3 = p_3_0 * g->k[41] + p_3_1 * g->k[42] + p_3_2 * g->k[43];
+    const double t11 = theta[2] * theta[2];
+    const double t12 = theta[1] * theta[1];
+    const double t13 = g->k[27] * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g->k[40] * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
+    const double t14 = 1.0 / (g->k[27] * B_3 - B_2 * g->k[40]);
+    const double s_0_0 = foot_0 - g->e[0] * t13 * t14;
+    const double s_0_1 = foot_1 - t14 * (g->e[1] * t13);
+    const double s_0_2 = foot_2 - t14 * (g->e[2] * t13);
+    const double arm_1_0 = s_0_0 - g->g[0]; /* s - g_k */
+    const double arm_1_1 = s_0_1 - g->g[1];
+    const double arm_1_2 = s_0_2 - g->g[2];
+    const double t15 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0] * t15; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1] * t15;
+    const double p_1_2 = arm_1_2 - g->e[2] * t15;
+    const double arm_2_0 = s_0_0 - g->g[3]; /* s - g_k */
+    const double arm_2_1 = s_0_1 - g->g[4];
+    const double arm_2_2 = s_0_2 - g->g[5];
+    const double t16 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
+    const double p_2_0_a = arm_2_0 - g->e[3] * t16; /* (2.52) */
+    const double p_2_1_a = arm_2_1 - g->e[4] * t16;
+    const double p_2_2_a = arm_2_2 - g->e[5] * t16;
+    const double arm_3_0 = s_0_0 - g->g[6]; /* s - g_k */
+    const double arm_3_1 = s_0_1 - g->g[7];
+    const double arm_3_2 = s_0_2 - g->g[8];
+    const double t17 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
+    const double p_3_0_a = arm_3_0 - g->e[6] * t17; /* (2.52) */
+    const double p_3_1_a = arm_3_1 - g->e[7] * t17;
+    const double p_3_2_a = arm_3_2 - g->e[8] * t17;
+    const double t18 = theta[0] * theta[0];
+    const double residual_0 = p_1_0 * p_1_0 + p_1_1 * p_1_1 + p_1_2 * p_1_2 - t18;
+    const double residual_1 = p_2_0_a * p_2_0_a + p_2_1_a * p_2_1_a + p_2_2_a * p_2_2_a - t12;
+    const double residual_2 = p_3_0_a * p_3_0_a + p_3_1_a * p_3_1_a + p_3_2_a * p_3_2_a - t11;
+    const double t19 = p_1_0 * g->k[0];
+    const double t20 = p_1_1 * g->k[1];
+    const double t21 = p_1_2 * g->k[2];
+    const double df_00 = t19 + t19 - (t20 + t20) - (t21 + t21); /* df/ds */
+    const double t22 = p_2_0_a * g->k[3];
+    const double t23 = p_2_1_a * g->k[4];
+    const double t24 = p_2_2_a * g->k[5];
+    const double df_10 = t22 + t22 - (t23 + t23) - (t24 + t24); /* df/ds */
+    const double t25 = p_3_0_a * g->k[6];
+    const double t26 = p_3_1_a * g->k[7];
+    const double t27 = p_3_2_a * g->k[8];
+    const double df_20 = t25 + t25 - (t26 + t26) - (t27 + t27); /* df/ds */
+    const double t28 = p_1_0 * g->k[1];
+    const double t29 = p_1_1 * g->k[9];
+    const double t30 = p_1_2 * g->k[10];
+    const double df_01 = t29 + t29 - (t28 + t28) - (t30 + t30); /* df/ds */
+    const double t31 = p_2_0_a * g->k[4];
+    const double t32 = p_2_1_a * g->k[11];
+    const double t33 = p_2_2_a * g->k[12];
+    const double df_11 = t32 + t32 - (t31 + t31) - (t33 + t33); /* df/ds */
+    const double t34 = p_3_0_a * g->k[7];
+    const double t35 = p_3_1_a * g->k[13];
+    const double t36 = p_3_2_a * g->k[14];
+    const double df_21 = t35 + t35 - (t34 + t34) - (t36 + t36); /* df/ds */
+    const double t37 = p_1_0 * g->k[2];
+    const double t38 = p_1_1 * g->k[10];
+    const double t39 = p_1_2 * g->k[15];
+    const double df_02 = t39 + t39 - (t37 + t37 + (t38 + t38)); /* df/ds */
+    const double t40 = p_2_0_a * g->k[5];
+    const double t41 = p_2_1_a * g->k[12];
+    const double t42 = p_2_2_a * g->k[16];
+    const double df_12 = t42 + t42 - (t40 + t40 + (t41 + t41)); /* df/ds */
+    const double t43 = p_3_0_a * g->k[8];
+    const double t44 = p_3_1_a * g->k[14];
+    const double t45 = p_3_2_a * g->k[17];
+    const double df_22 = t45 + t45 - (t43 + t43 + (t44 + t44)); /* df/ds */
+    const double t46 = df_11 * df_22 - df_21 * df_12;
+    const double t47 = residual_0 * t46 + residual_1 * (df_21 * df_02 - df_01 * df_22) + residual_2 * (df_01 * df_12 - df_11 * df_02);
+    const double t48 = df_20 * df_12 - df_10 * df_22;
+    const double t49 = df_10 * df_21 - df_20 * df_11;
+    const double t50 = 1.0 / (df_00 * t46 + df_01 * t48 + df_02 * t49);
+    const double t51 = residual_0 * t48 + residual_1 * (df_00 * df_22 - df_20 * df_02) + residual_2 * (df_10 * df_02 - df_00 * df_12);
+    const double t52 = residual_0 * t49 + residual_1 * (df_20 * df_01 - df_00 * df_21) + residual_2 * (df_00 * df_11 - df_10 * df_01);
+    const double s_next_0 = s_0_0 - t47 * t50;
+    const double s_next_1 = s_0_1 - t50 * t51;
+    const double s_next_2 = s_0_2 - t50 * t52;
+    const double arm_1_0_a = s_next_0 - g->g[0]; /* s - g_k */
+    const double arm_1_1_a = s_next_1 - g->g[1];
+    const double arm_1_2_a = s_next_2 - g->g[2];
+    const double t53 = g->e[0] * arm_1_0_a + g->e[1] * arm_1_1_a + g->e[2] * arm_1_2_a;
+    const double p_1_0_a = arm_1_0_a - g->e[0] * t53; /* (2.52) */
+    const double p_1_1_a = arm_1_1_a - g->e[1] * t53;
+    const double p_1_2_a = arm_1_2_a - g->e[2] * t53;
+    const double arm_2_0_a = s_next_0 - g->g[3]; /* s - g_k */
+    const double arm_2_1_a = s_next_1 - g->g[4];
+    const double arm_2_2_a = s_next_2 - g->g[5];
+    const double t54 = g->e[3] * arm_2_0_a + g->e[4] * arm_2_1_a + g->e[5] * arm_2_2_a;
+    const double p_2_0_b = arm_2_0_a - g->e[3] * t54; /* (2.52) */
+    const double p_2_1_b = arm_2_1_a - g->e[4] * t54;
+    const double p_2_2_b = arm_2_2_a - g->e[5] * t54;
+    const double arm_3_0_a = s_next_0 - g->g[6]; /* s - g_k */
+    const double arm_3_1_a = s_next_1 - g->g[7];
+    const double arm_3_2_a = s_next_2 - g->g[8];
+    const double t55 = g->e[6] * arm_3_0_a + g->e[7] * arm_3_1_a + g->e[8] * arm_3_2_a;
+    const double p_3_0_b = arm_3_0_a - g->e[6] * t55; /* (2.52) */
+    const double p_3_1_b = arm_3_1_a - g->e[7] * t55;
+    const double p_3_2_b = arm_3_2_a - g->e[8] * t55;
+    const double residual_0_a = p_1_0_a * p_1_0_a + p_1_1_a * p_1_1_a + p_1_2_a * p_1_2_a - t18;
+    const double residual_1_a = p_2_0_b * p_2_0_b + p_2_1_b * p_2_1_b + p_2_2_b * p_2_2_b - t12;
+    const double residual_2_a = p_3_0_b * p_3_0_b + p_3_1_b * p_3_1_b + p_3_2_b * p_3_2_b - t11;
+    const double t56 = g->k[0] * p_1_0_a;
+    const double t57 = g->k[1] * p_1_1_a;
+    const double t58 = g->k[2] * p_1_2_a;
+    const double df_00_a = t56 + t56 - (t57 + t57) - (t58 + t58); /* df/ds */
+    const double t59 = g->k[3] * p_2_0_b;
+    const double t60 = g->k[4] * p_2_1_b;
+    const double t61 = g->k[5] * p_2_2_b;
+    const double df_10_a = t59 + t59 - (t60 + t60) - (t61 + t61); /* df/ds */
+    const double t62 = g->k[6] * p_3_0_b;
+    const double t63 = g->k[7] * p_3_1_b;
+    const double t64 = g->k[8] * p_3_2_b;
+    const double df_20_a = t62 + t62 - (t63 + t63) - (t64 + t64); /* df/ds */
+    const double t65 = g->k[1] * p_1_0_a;
+    const double t66 = g->k[9] * p_1_1_a;
+    const double t67 = g->k[10] * p_1_2_a;
+    const double df_01_a = t66 + t66 - (t65 + t65) - (t67 + t67); /* df/ds */
+    const double t68 = g->k[4] * p_2_0_b;
+    const double t69 = g->k[11] * p_2_1_b;
+    const double t70 = g->k[12] * p_2_2_b;
+    const double df_11_a = t69 + t69 - (t68 + t68) - (t70 + t70); /* df/ds */
+    const double t71 = g->k[7] * p_3_0_b;
+    const double t72 = g->k[13] * p_3_1_b;
+    const double t73 = g->k[14] * p_3_2_b;
+    const double df_21_a = t72 + t72 - (t71 + t71) - (t73 + t73); /* df/ds */
+    const double t74 = g->k[2] * p_1_0_a;
+    const double t75 = g->k[10] * p_1_1_a;
+    const double t76 = g->k[15] * p_1_2_a;
+    const double df_02_a = t76 + t76 - (t74 + t74 + (t75 + t75)); /* df/ds */
+    const double t77 = g->k[5] * p_2_0_b;
+    const double t78 = g->k[12] * p_2_1_b;
+    const double t79 = g->k[16] * p_2_2_b;
+    const double df_12_a = t79 + t79 - (t77 + t77 + (t78 + t78)); /* df/ds */
+    const double t80 = g->k[8] * p_3_0_b;
+    const double t81 = g->k[14] * p_3_1_b;
+    const double t82 = g->k[17] * p_3_2_b;
+    const double df_22_a = t82 + t82 - (t80 + t80 + (t81 + t81)); /* df/ds */
+    const double t83 = df_11_a * df_22_a - df_21_a * df_12_a;
+    const double t84 = residual_0_a * t83 + residual_1_a * (df_21_a * df_02_a - df_01_a * df_22_a) + residual_2_a * (df_01_a * df_12_a - df_11_a * df_02_a);
+    const double t85 = df_20_a * df_12_a - df_10_a * df_22_a;
+    const double t86 = df_10_a * df_21_a - df_20_a * df_11_a;
+    const double t87 = 1.0 / (df_00_a * t83 + df_01_a * t85 + df_02_a * t86);
+    const double t88 = residual_0_a * t85 + residual_1_a * (df_00_a * df_22_a - df_20_a * df_02_a) + residual_2_a * (df_10_a * df_02_a - df_00_a * df_12_a);
+    const double t89 = residual_0_a * t86 + residual_1_a * (df_20_a * df_01_a - df_00_a * df_21_a) + residual_2_a * (df_00_a * df_11_a - df_10_a * df_01_a);
+    const double s_next_0_a = s_next_0 - t84 * t87;
+    const double s_next_1_a = s_next_1 - t87 * t88;
+    const double s_next_2_a = s_next_2 - t87 * t89;
+    const double arm_1_0_b = s_next_0_a - g->g[0]; /* s - g_k */
+    const double arm_1_1_b = s_next_1_a - g->g[1];
+    const double arm_1_2_b = s_next_2_a - g->g[2];
+    const double t90 = g->e[0] * arm_1_0_b + g->e[1] * arm_1_1_b + g->e[2] * arm_1_2_b;
+    const double p_1_0_b = arm_1_0_b - g->e[0] * t90; /* (2.52) */
+    const double p_1_1_b = arm_1_1_b - g->e[1] * t90;
+    const double p_1_2_b = arm_1_2_b - g->e[2] * t90;
+    const double arm_2_0_b = s_next_0_a - g->g[3]; /* s - g_k */
+    const double arm_2_1_b = s_next_1_a - g->g[4];
+    const double arm_2_2_b = s_next_2_a - g->g[5];
+    const double t91 = g->e[3] * arm_2_0_b + g->e[4] * arm_2_1_b + g->e[5] * arm_2_2_b;
+    const double p_2_0_c = arm_2_0_b - g->e[3] * t91; /* (2.52) */
+    const double p_2_1_c = arm_2_1_b - g->e[4] * t91;
+    const double p_2_2_c = arm_2_2_b - g->e[5] * t91;
+    const double arm_3_0_b = s_next_0_a - g->g[6]; /* s - g_k */
+    const double arm_3_1_b = s_next_1_a - g->g[7];
+    const double arm_3_2_b = s_next_2_a - g->g[8];
+    const double t92 = g->e[6] * arm_3_0_b + g->e[7] * arm_3_1_b + g->e[8] * arm_3_2_b;
+    const double p_3_0_c = arm_3_0_b - g->e[6] * t92; /* (2.52) */
+    const double p_3_1_c = arm_3_1_b - g->e[7] * t92;
+    const double p_3_2_c = arm_3_2_b - g->e[8] * t92;
+    const double t93 = p_1_0_b * (p_2_1_c * p_3_2_c - p_2_2_c * p_3_1_c) + p_1_1_b * (p_2_2_c * p_3_0_c - p_2_0_c * p_3_2_c);
+    const double t94 = p_1_0_b * p_1_0_b + p_1_1_b * p_1_1_b + p_1_2_b * p_1_2_b - t18;
+    const double t95 = p_2_0_c * p_2_0_c + p_2_1_c * p_2_1_c + p_2_2_c * p_2_2_c - t12;
+    const double t96 = p_3_0_c * p_3_0_c + p_3_1_c * p_3_1_c + p_3_2_c * p_3_2_c - t11;
+    const double t97 = t11 + (t12 + t18);
+    s[0] = s_next_0_a;
+    s[1] = s_next_1_a;
+    s[2] = s_next_2_a;
+    *volume = t93 + p_1_2_b * (p_2_0_c * p_3_1_c - p_2_1_c * p_3_0_c);
+    miss[0] = (t94 * t94 + t95 * t95 + t96 * t96) / (t97 * t97);
 }
 
 /* Actuated joints of the (3-CPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
@@ -379,7 +749,7 @@ static inline void krhpr_subleg_cpr3_jacobian(
     M[6] = m_20;
     M[7] = m_21;
     M[8] = m_22;
-    *regularity = fabs(volume * g->k[18]);
+    *regularity = fabs(volume * g->k[44]);
 }
 
 /* Rows of K: N M_i for the (3-CPR) sub-leg, where the rows of N are the directions of the platform's lines.
@@ -408,7 +778,7 @@ static inline void krhpr_subleg_cpr3_project(
     K[3] = N[3] * m_00 + N[4] * m_10 + N[5] * m_20;
     K[4] = N[3] * m_01 + N[4] * m_11 + N[5] * m_21;
     K[5] = N[3] * m_02 + N[4] * m_12 + N[5] * m_22;
-    *regularity = fabs(volume * g->k[18]);
+    *regularity = fabs(volume * g->k[44]);
 }
 
 /* Velocity of the end point of the (3-CPR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
@@ -434,7 +804,7 @@ static inline void krhpr_subleg_cpr3_velocity(
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     s_dot[2] = v_l_2;
-    *regularity = fabs(volume * g->k[18]);
+    *regularity = fabs(volume * g->k[44]);
 }
 
 /* Velocity of the end point of the (3-CPR) sub-leg and the part of its acceleration that does not depend on
@@ -513,7 +883,7 @@ static inline void krhpr_subleg_cpr3_bias(
     bias[0] = t9 * (t34 - s_dot_0 * t29);
     bias[1] = t9 * (t36 - s_dot_1 * t29);
     bias[2] = t9 * (t38 - s_dot_2 * t29);
-    *regularity = fabs(volume * g->k[18]);
+    *regularity = fabs(volume * g->k[44]);
 }
 
 /* Actuated joint rates of the (3-CPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
@@ -525,7 +895,7 @@ static inline void krhpr_subleg_cpr3_rates(
     const double w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
     const double w_1 = w[3] * s_dot[0] + w[4] * s_dot[1] + w[5] * s_dot[2];
     const double w_2 = w[6] * s_dot[0] + w[7] * s_dot[1] + w[8] * s_dot[2];
-    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[19]), fabs(b[1] * g->k[19])), fabs(b[2] * g->k[19]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[45]), fabs(b[1] * g->k[45])), fabs(b[2] * g->k[45]));
     theta_dot[0] = w_0 / b[0];
     theta_dot[1] = w_1 / b[1];
     theta_dot[2] = w_2 / b[2];
@@ -540,10 +910,10 @@ static inline void krhpr_subleg_cpr3_determinant(
 {
     const double volume = w[0] * (w[4] * w[8] - w[5] * w[7]) + w[1] * (w[5] * w[6] - w[3] * w[8]) + w[2] * (w[3] * w[7] - w[4] * w[6]);
     *det_M = b[2] * (b[0] * b[1]) / volume;
-    factors[0] = b[0] * g->k[19];
-    factors[1] = b[1] * g->k[19];
-    factors[2] = b[2] * g->k[19];
-    factors[3] = volume * g->k[18];
+    factors[0] = b[0] * g->k[45];
+    factors[1] = b[1] * g->k[45];
+    factors[2] = b[2] * g->k[45];
+    factors[3] = volume * g->k[44];
 }
 
 /* Passive joints of the (3-CPR) sub-leg and the orientation of its last link.  (12 add, 18 multiply, 3
@@ -552,9 +922,9 @@ static inline void krhpr_subleg_cpr3_passive(
     const krhpr_subleg_cpr3_geometry *g, const double w[9], const double travel[3],
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT link)
 {
-    const double passive_0 = krhpr_atan2(w[0] * g->k[23] + w[1] * g->k[24] + w[2] * g->k[25], w[0] * g->k[20] + w[1] * g->k[21] + w[2] * g->k[22]);
-    const double passive_2 = krhpr_atan2(w[3] * g->k[29] + w[4] * g->k[30] + w[5] * g->k[31], w[3] * g->k[26] + w[4] * g->k[27] + w[5] * g->k[28]);
-    const double passive_4 = krhpr_atan2(w[6] * g->k[35] + w[7] * g->k[36] + w[8] * g->k[37], w[6] * g->k[32] + w[7] * g->k[33] + w[8] * g->k[34]);
+    const double passive_0 = krhpr_atan2(w[0] * g->k[49] + w[1] * g->k[50] + w[2] * g->k[51], w[0] * g->k[46] + w[1] * g->k[47] + w[2] * g->k[48]);
+    const double passive_2 = krhpr_atan2(w[3] * g->k[55] + w[4] * g->k[56] + w[5] * g->k[57], w[3] * g->k[52] + w[4] * g->k[53] + w[5] * g->k[54]);
+    const double passive_4 = krhpr_atan2(w[6] * g->k[61] + w[7] * g->k[62] + w[8] * g->k[63], w[6] * g->k[58] + w[7] * g->k[59] + w[8] * g->k[60]);
     passive[0] = passive_0;
     passive[1] = travel[0];
     passive[2] = passive_2;

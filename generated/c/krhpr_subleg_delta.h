@@ -240,6 +240,65 @@ static inline void krhpr_subleg_delta_forward_posture(
     *radicand = h2;
 }
 
+/* Angles whose sines and cosines `forward_all` reads.  (no operations) */
+static inline void krhpr_subleg_delta_forward_all_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+    angle[2] = theta[2];
+}
+
+/* End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the normal; NaN
+ * where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square root) */
+static inline void krhpr_subleg_delta_forward_all(
+    const krhpr_subleg_delta_geometry *g, const double sine[3], const double cosine[3],
+    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+{
+    const double t1 = g->L * cosine[0];
+    const double k_1_0 = g->g[0] + g->x[0] * t1; /* end of arm 1 */
+    const double k_1_1 = g->g[1] + g->x[1] * t1;
+    const double k_1_2 = g->g[2] + g->L * sine[0];
+    const double t2 = g->L * cosine[1];
+    const double k_2_0 = g->g[3] + g->x[3] * t2; /* end of arm 2 */
+    const double k_2_1 = g->g[4] + g->x[4] * t2;
+    const double k_2_2 = g->g[5] + g->L * sine[1];
+    const double t3 = g->L * cosine[2];
+    const double k_3_0 = g->g[6] + g->x[6] * t3; /* end of arm 3 */
+    const double k_3_1 = g->g[7] + g->x[7] * t3;
+    const double k_3_2 = g->g[8] + g->L * sine[2];
+    const double g_12_0 = k_2_0 - k_1_0;
+    const double g_12_1 = k_2_1 - k_1_1;
+    const double g_12_2 = k_2_2 - k_1_2;
+    const double g_13_0 = k_3_0 - k_1_0;
+    const double g_13_1 = k_3_1 - k_1_1;
+    const double g_13_2 = k_3_2 - k_1_2;
+    const double n_0 = g_12_1 * g_13_2 - g_12_2 * g_13_1; /* normal of the plane of the centres */
+    const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
+    const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
+    const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
+    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
+    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double t4 = 1.0 / n2;
+    const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
+    const double foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
+    const double foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
+    const double h2 = t4 * (g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double height = sqrt(h2);
+    const double t5 = k_1_0 + foot_0;
+    const double t6 = n_0 * height;
+    const double t7 = k_1_1 + foot_1;
+    const double t8 = n_1 * height;
+    const double t9 = k_1_2 + foot_2;
+    const double t10 = n_2 * height;
+    s[0] = t5 + t6;
+    s[1] = t7 + t8;
+    s[2] = t9 + t10;
+    s[3] = t5 - t6;
+    s[4] = t7 - t8;
+    s[5] = t9 - t10;
+    *radicand = h2;
+}
+
 /* Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 2 select) */
 static inline void krhpr_subleg_delta_inverse(

@@ -152,6 +152,54 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture(
     *radicand = h2;
 }
 
+/* Angles whose sines and cosines `forward_all` reads.  (no operations) */
+static inline void krhpr_subleg_planar_fivebar_coupler_forward_all_angles(
+    const double theta[2], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = theta[0];
+    angle[1] = theta[1];
+}
+
+/* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
+ * Thesis: 3.5.  (24 add, 18 multiply, 1 divide, 1 square root) */
+static inline void krhpr_subleg_planar_fivebar_coupler_forward_all(
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double sine[2], const double cosine[2],
+    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+{
+    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4 * sine[0];
+    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2 * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double d2 = f_0 * f_0 + f_1 * f_1;
+    const double t1 = 1.0 / d2;
+    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
+    const double h2 = g->k[0] * t1 - along * along;
+    const double across = sqrt(h2);
+    const double t2 = f_0 * along;
+    const double t3 = f_1 * across;
+    const double meeting_0 = t2 - t3;
+    const double t4 = f_0 * across;
+    const double t5 = f_1 * along;
+    const double meeting_1 = t4 + t5;
+    const double w_0 = meeting_0 - f_0; /* P - E */
+    const double w_1 = meeting_1 - f_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2];
+    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double meeting_0_a = t2 + t3;
+    const double meeting_1_a = t5 - t4;
+    const double w_0_a = meeting_0_a - f_0; /* P - E */
+    const double w_1_a = meeting_1_a - f_1;
+    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
+    s[0] = g->o[0] + d_0;
+    s[1] = g->o[1] + d_1;
+    s[2] = g->o[0] + d_0_a;
+    s[3] = g->o[1] + d_1_a;
+    *radicand = h2;
+}
+
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_inverse(

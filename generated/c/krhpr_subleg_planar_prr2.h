@@ -124,6 +124,40 @@ static inline void krhpr_subleg_planar_prr2_forward_posture(
     *radicand = h2;
 }
 
+/* End points of the (2-PRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
+ * Thesis: 3.5.  (18 add, 14 multiply, 1 divide, 1 square root) */
+static inline void krhpr_subleg_planar_prr2_forward_all(
+    const krhpr_subleg_planar_prr2_geometry *g, const double theta[2], double *KRHPR_RESTRICT s,
+    double *KRHPR_RESTRICT radicand)
+{
+    const double d_1_0 = g->o[0] + g->e_1[0] * theta[0]; /* first slider */
+    const double d_1_1 = g->o[1] + g->e_1[1] * theta[0];
+    const double line_0 = g->k[0] + g->e_2[0] * theta[1] - d_1_0; /* from the first slider to the second */
+    const double line_1 = g->k[1] + g->e_2[1] * theta[1] - d_1_1;
+    const double d2 = line_0 * line_0 + line_1 * line_1;
+    const double t1 = 1.0 / d2;
+    const double along = 0.5 * (d2 + g->k[2] - g->k[3]) * t1;
+    const double h2 = g->k[2] * t1 - along * along;
+    const double across = sqrt(h2);
+    const double t2 = line_0 * along;
+    const double t3 = line_1 * across;
+    const double meeting_0 = t2 - t3;
+    const double t4 = line_0 * across;
+    const double t5 = line_1 * along;
+    const double meeting_1 = t4 + t5;
+    const double r_0 = d_1_0 + meeting_0;
+    const double r_1 = d_1_1 + meeting_1;
+    const double meeting_0_a = t2 + t3;
+    const double meeting_1_a = t5 - t4;
+    const double r_0_a = d_1_0 + meeting_0_a;
+    const double r_1_a = d_1_1 + meeting_1_a;
+    s[0] = r_0;
+    s[1] = r_1;
+    s[2] = r_0_a;
+    s[3] = r_1_a;
+    *radicand = h2;
+}
+
 /* Actuated joints of the (2-PRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (12 add, 12 multiply, 2 square root, 1 select) */
 static inline void krhpr_subleg_planar_prr2_inverse(

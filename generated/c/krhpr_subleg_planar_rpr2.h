@@ -97,6 +97,35 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture(
     *radicand = h2;
 }
 
+/* End points of the (2-RPR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
+ * Thesis: 3.5.  (11 add, 10 multiply, 1 square root) */
+static inline void krhpr_subleg_planar_rpr2_forward_all(
+    const krhpr_subleg_planar_rpr2_geometry *g, const double theta[2], double *KRHPR_RESTRICT s,
+    double *KRHPR_RESTRICT radicand)
+{
+    const double t1 = theta[0] * theta[0];
+    const double along = 0.5 * (g->k[0] + t1 - theta[1] * theta[1]) * g->k[1];
+    const double h2 = t1 * g->k[1] - along * along;
+    const double across = sqrt(h2);
+    const double t2 = g->o_12[0] * along;
+    const double t3 = g->o_12[1] * across;
+    const double meeting_0 = t2 - t3;
+    const double t4 = g->o_12[0] * across;
+    const double t5 = g->o_12[1] * along;
+    const double meeting_1 = t4 + t5;
+    const double r_0 = g->o[0] + meeting_0;
+    const double r_1 = g->o[1] + meeting_1;
+    const double meeting_0_a = t2 + t3;
+    const double meeting_1_a = t5 - t4;
+    const double r_0_a = g->o[0] + meeting_0_a;
+    const double r_1_a = g->o[1] + meeting_1_a;
+    s[0] = r_0;
+    s[1] = r_1;
+    s[2] = r_0_a;
+    s[3] = r_1_a;
+    *radicand = h2;
+}
+
 /* Actuated joints of the (2-RPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
 static inline void krhpr_subleg_planar_rpr2_inverse(

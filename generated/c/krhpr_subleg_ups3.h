@@ -168,6 +168,35 @@ static inline void krhpr_subleg_ups3_forward_posture(
     *radicand = h2;
 }
 
+/* End points of the (3-UPS) sub-leg in every assembly mode: first the one on the side of the normal; NaN
+ * where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root) */
+static inline void krhpr_subleg_ups3_forward_all(
+    const krhpr_subleg_ups3_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
+    double *KRHPR_RESTRICT radicand)
+{
+    const double t1 = theta[0] * theta[0];
+    const double t2 = 0.5 * t1;
+    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1] * theta[1]);
+    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2] * theta[2]);
+    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6]; /* in the plane of the centres */
+    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
+    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
+    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double height = sqrt(h2);
+    const double t3 = g->g[0] + foot_0;
+    const double t4 = g->k[0] * height;
+    const double t5 = g->g[1] + foot_1;
+    const double t6 = g->g[2] + foot_2;
+    const double t7 = g->k[1] * height;
+    s[0] = t3 + t4;
+    s[1] = t4 + t5;
+    s[2] = t6 + t7;
+    s[3] = t3 - t4;
+    s[4] = t5 - t4;
+    s[5] = t6 - t7;
+    *radicand = h2;
+}
+
 /* Actuated joints of the (3-UPS) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root) */
 static inline void krhpr_subleg_ups3_inverse(

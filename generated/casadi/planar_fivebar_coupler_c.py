@@ -95,6 +95,27 @@ def subleg_forward(geometry: Any) -> Any:
     return call.function({"s": s})
 
 
+def subleg_forward_all(geometry: Any) -> Any:
+    """End points of the sub-legs in every assembly mode, from the actuated joints; NaN where the loop
+    cannot close."""
+    call = rt.Call(
+        "subleg_forward_all",
+        (
+            rt.Port("theta", (3, 2), "stacked"),
+        ),
+        (
+            rt.Port("s", (3, 2, 2), "stacked"),
+        ),
+        geometry,
+    )
+    s: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        s_i, _radicand = subleg.forward_all(subleg.prepare(fields), call.leg("theta", i))
+        s += s_i
+    return call.function({"s": s})
+
+
 def subleg_inverse(geometry: Any) -> Any:
     """Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode
     does not exist."""
@@ -614,6 +635,8 @@ def forward(geometry: Any) -> Any:
             rt.Port("p", (2,), "shared"),
             rt.Port("phi", (), "shared"),
             rt.Port("redundant", (3,), "shared"),
+            rt.Port("count", (), "shared"),
+            rt.Port("certified", (), "shared"),
         ),
         geometry,
     )
@@ -625,15 +648,16 @@ def forward(geometry: Any) -> Any:
         slide_i = platform.tie(platform.prepare(fields))
         s += s_i
         slide += slide_i
-    _breadth, _assembly_radicand, _sign, p, phi, redundant = platform.assembly_mode(
+    _breadth, _assembly_radicand, _sign, p, phi, redundant, count, certified = platform.assembly_mode(
             s, slide, call.whole("side"))
-    return call.function({"p": p, "phi": phi, "redundant": redundant})
+    return call.function({"p": p, "phi": phi, "redundant": redundant, "count": count, "certified": certified})
 
 
 FUNCTIONS = {
     "end_points": end_points,
     "redundant_coordinates": redundant_coordinates,
     "subleg_forward": subleg_forward,
+    "subleg_forward_all": subleg_forward_all,
     "subleg_inverse": subleg_inverse,
     "subleg_jacobian": subleg_jacobian,
     "constraints": constraints,

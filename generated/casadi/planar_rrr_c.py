@@ -640,6 +640,8 @@ def forward(geometry: Any) -> Any:
             rt.Port("p", (2,), "shared"),
             rt.Port("phi", (), "shared"),
             rt.Port("redundant", (3,), "shared"),
+            rt.Port("count", (), "shared"),
+            rt.Port("certified", (), "shared"),
         ),
         geometry,
     )
@@ -651,9 +653,9 @@ def forward(geometry: Any) -> Any:
         slide_i = platform.tie(platform.prepare(fields))
         s += s_i
         slide += slide_i
-    _breadth, _assembly_radicand, _sign, p, phi, redundant = platform.assembly_mode(
+    _breadth, _assembly_radicand, _sign, p, phi, redundant, count, certified = platform.assembly_mode(
             s, slide, call.whole("side"))
-    return call.function({"p": p, "phi": phi, "redundant": redundant})
+    return call.function({"p": p, "phi": phi, "redundant": redundant, "count": count, "certified": certified})
 
 
 FUNCTIONS = {

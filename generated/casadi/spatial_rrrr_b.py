@@ -671,6 +671,8 @@ def forward(geometry: Any) -> Any:
             rt.Port("p", (3,), "shared"),
             rt.Port("Q", (3, 3), "shared"),
             rt.Port("redundant", (3,), "shared"),
+            rt.Port("count", (), "shared"),
+            rt.Port("certified", (), "shared"),
         ),
         geometry,
     )
@@ -686,9 +688,9 @@ def forward(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _flatness, _breadth, _assembly_radicand, _sign, p, Q, redundant = platform.assembly_mode(
+    _flatness, _breadth, _assembly_radicand, _sign, p, Q, redundant, count, certified = platform.assembly_mode(
             s, slide, distance, start, call.whole("side"))
-    return call.function({"p": p, "Q": Q, "redundant": redundant})
+    return call.function({"p": p, "Q": Q, "redundant": redundant, "count": count, "certified": certified})
 
 
 FUNCTIONS = {

@@ -54,32 +54,69 @@ def prepare(fields: Any) -> SimpleNamespace:
     t8 = ca.sin(tilt_1)
     t9 = ca.cos(turn_1)
     t10 = ca.sin(turn_1)
-    t11 = t4 * t7 + t8 * (t2 * t9 + e_r_1 * t10)
-    e_01 = t8 * (e_t_1 * t10 - t3 * t9) - t5 * t7
+    t11 = t2 * t9 + e_r_1 * t10
+    t12 = t4 * t7 + t8 * t11
+    t13 = e_t_1 * t10 - t3 * t9
+    e_01 = t8 * t13 - t5 * t7
     e_02 = t8 * (e_1_2 * t9) - t6 * t7
-    t12 = ca.cos(tilt_2)
-    t13 = ca.sin(tilt_2)
-    t14 = ca.cos(turn_2)
-    t15 = ca.sin(turn_2)
-    t16 = t4 * t12 + t13 * (t2 * t14 + e_r_1 * t15)
-    e_11 = t13 * (e_t_1 * t15 - t3 * t14) - t5 * t12
-    e_12 = t13 * (e_1_2 * t14) - t6 * t12
-    t17 = ca.cos(tilt_3)
-    t18 = ca.sin(tilt_3)
-    t19 = ca.cos(turn_3)
-    t20 = ca.sin(turn_3)
-    t21 = t4 * t17 + t18 * (t2 * t19 + e_r_1 * t20)
-    e_21 = t18 * (e_t_1 * t20 - t3 * t19) - t5 * t17
-    e_22 = t18 * (e_1_2 * t19) - t6 * t17
-    t22 = t3 * e_02 + e_1_2 * e_01
-    k_21 = t2 * e_02 - e_1_2 * t11
-    t23 = t2 * e_01 + t3 * t11
-    t24 = t3 * e_12 + e_1_2 * e_11
-    k_27 = t2 * e_12 - e_1_2 * t16
-    t25 = t2 * e_11 + t3 * t16
-    t26 = t3 * e_22 + e_1_2 * e_21
-    k_33 = t2 * e_22 - e_1_2 * t21
-    t27 = t2 * e_21 + t3 * t21
+    t14 = ca.cos(tilt_2)
+    t15 = ca.sin(tilt_2)
+    t16 = ca.cos(turn_2)
+    t17 = ca.sin(turn_2)
+    t18 = t4 * t14 + t15 * (t2 * t16 + e_r_1 * t17)
+    e_11 = t15 * (e_t_1 * t17 - t3 * t16) - t5 * t14
+    e_12 = t15 * (e_1_2 * t16) - t6 * t14
+    t19 = ca.cos(tilt_3)
+    t20 = ca.sin(tilt_3)
+    t21 = ca.cos(turn_3)
+    t22 = ca.sin(turn_3)
+    t23 = t4 * t19 + t20 * (t2 * t21 + e_r_1 * t22)
+    e_21 = t20 * (e_t_1 * t22 - t3 * t21) - t5 * t19
+    e_22 = t20 * (e_1_2 * t21) - t6 * t19
+    n_00 = t4 * t8 - t7 * t11
+    n_01 = t7 * t13 + t5 * t8
+    n_02 = t9 * (e_1_2 * t7) + t6 * t8
+    n_10 = t2 * t10 - e_r_1 * t9
+    n_11 = e_t_1 * t9 + t3 * t10
+    t24 = e_1_2 * t10
+    g_00 = c_0 - y_1 * t2 - z_1 * e_r_1 - x_1 * t4
+    g_01 = c_1 - y_1 * t3 + z_1 * e_t_1 - x_1 * t5
+    g_02 = c_2 + y_1 * e_1_2 - x_1 * t6
+    g_10 = c_0 - y_2 * t2 - z_2 * e_r_1 - x_2 * t4
+    g_11 = c_1 - y_2 * t3 + z_2 * e_t_1 - x_2 * t5
+    g_12 = c_2 + y_2 * e_1_2 - x_2 * t6
+    g_20 = c_0 - y_3 * t2 - z_3 * e_r_1 - x_3 * t4
+    g_21 = c_1 - y_3 * t3 + z_3 * e_t_1 - x_3 * t5
+    g_22 = c_2 + y_3 * e_1_2 - x_3 * t6
+    t25 = g_00 - g_10
+    t26 = g_01 - g_11
+    t27 = g_02 - g_12
+    t28 = e_11 * t26 - t18 * t25 + e_12 * t27
+    t29 = e_11 * n_01 - t18 * n_00 + e_12 * n_02
+    t30 = e_11 * n_11 - t18 * n_10 - e_12 * t24
+    t31 = t12 * t18 + e_01 * e_11 + e_02 * e_12
+    t32 = t18 * t31 - t12
+    t33 = e_01 - e_11 * t31
+    t34 = e_02 - e_12 * t31
+    t35 = g_00 - g_20
+    t36 = g_01 - g_21
+    t37 = g_02 - g_22
+    t38 = e_21 * t36 - t23 * t35 + e_22 * t37
+    t39 = e_21 * n_01 - t23 * n_00 + e_22 * n_02
+    t40 = e_21 * n_11 - t23 * n_10 - e_22 * t24
+    t41 = t12 * t23 + e_01 * e_21 + e_02 * e_22
+    t42 = t23 * t41 - t12
+    t43 = e_01 - e_21 * t41
+    t44 = e_02 - e_22 * t41
+    t45 = t3 * e_02 + e_1_2 * e_01
+    k_47 = t2 * e_02 - e_1_2 * t12
+    t46 = t2 * e_01 + t3 * t12
+    t47 = t3 * e_12 + e_1_2 * e_11
+    k_53 = t2 * e_12 - e_1_2 * t18
+    t48 = t2 * e_11 + t3 * t18
+    t49 = t3 * e_22 + e_1_2 * e_21
+    k_59 = t2 * e_22 - e_1_2 * t23
+    t50 = t2 * e_21 + t3 * t23
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -104,9 +141,10 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-t4, -t5, -t6,),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        e=(-t11, e_01, e_02, -t16, e_11, e_12, -t21, e_21, e_22,),
-        g=(c_0 - y_1 * t2 - z_1 * e_r_1 - x_1 * t4, c_1 - y_1 * t3 + z_1 * e_t_1 - x_1 * t5, c_2 + y_1 * e_1_2 - x_1 * t6, c_0 - y_2 * t2 - z_2 * e_r_1 - x_2 * t4, c_1 - y_2 * t3 + z_2 * e_t_1 - x_2 * t5, c_2 + y_2 * e_1_2 - x_2 * t6, c_0 - y_3 * t2 - z_3 * e_r_1 - x_3 * t4, c_1 - y_3 * t3 + z_3 * e_t_1 - x_3 * t5, c_2 + y_3 * e_1_2 - x_3 * t6,),
-        k=(1 - t11 * t11, -t11 * e_01, -t11 * e_02, 1 - t16 * t16, -t16 * e_11, -t16 * e_12, 1 - t21 * t21, -t21 * e_21, -t21 * e_22, 1 - e_01 * e_01, e_01 * e_02, 1 - e_11 * e_11, e_11 * e_12, 1 - e_21 * e_21, e_21 * e_22, 1 - e_02 * e_02, 1 - e_12 * e_12, 1 - e_22 * e_22, 1 / (R_b * (R_b * R_b)), 1 / R_b, -t22, k_21, -t23, -(e_01 * t23 + e_02 * k_21), -(e_02 * t22 + t11 * t23), e_01 * t22 - t11 * k_21, -t24, k_27, -t25, -(e_11 * t25 + e_12 * k_27), -(e_12 * t24 + t16 * t25), e_11 * t24 - t16 * k_27, -t26, k_33, -t27, -(e_21 * t27 + e_22 * k_33), -(e_22 * t26 + t21 * t27), e_21 * t26 - t21 * k_33,),
+        e=(-t12, e_01, e_02, -t18, e_11, e_12, -t23, e_21, e_22,),
+        n=(n_00, n_01, n_02, n_10, n_11, -t24,),
+        g=(g_00, g_01, g_02, g_10, g_11, g_12, g_20, g_21, g_22,),
+        k=(1 - t12 * t12, -t12 * e_01, -t12 * e_02, 1 - t18 * t18, -t18 * e_11, -t18 * e_12, 1 - t23 * t23, -t23 * e_21, -t23 * e_22, 1 - e_01 * e_01, e_01 * e_02, 1 - e_11 * e_11, e_11 * e_12, 1 - e_21 * e_21, e_21 * e_22, 1 - e_02 * e_02, 1 - e_12 * e_12, 1 - e_22 * e_22, t25 + t18 * t28, t26 - e_11 * t28, t27 - e_12 * t28, n_00 + t18 * t29, n_01 - e_11 * t29, n_02 - e_12 * t29, n_10 + t18 * t30, n_11 - e_11 * t30, -(t24 + e_12 * t30), t32 * t32 + t33 * t33 + t34 * t34, t32 * 2, t33 * 2, t34 * 2, t35 + t23 * t38, t36 - e_21 * t38, t37 - e_22 * t38, n_00 + t23 * t39, n_01 - e_21 * t39, n_02 - e_22 * t39, n_10 + t23 * t40, n_11 - e_21 * t40, -(t24 + e_22 * t40), t42 * t42 + t43 * t43 + t44 * t44, 2 * t42, 2 * t43, 2 * t44, 1 / (R_b * (R_b * R_b)), 1 / R_b, -t45, k_47, -t46, -(e_01 * t46 + e_02 * k_47), -(e_02 * t45 + t12 * t46), e_01 * t45 - t12 * k_47, -t47, k_53, -t48, -(e_11 * t48 + e_12 * k_53), -(e_12 * t47 + t18 * t48), e_11 * t47 - t18 * k_53, -t49, k_59, -t50, -(e_21 * t50 + e_22 * k_59), -(e_22 * t49 + t23 * t50), e_21 * t49 - t23 * k_59,),
     )
 
 
@@ -194,6 +232,314 @@ def forward_step(g: Any, theta: Any, s: Any) -> tuple[Any, ...]:
         ),
         (  # change
             (t36 * t36 + t38 * t38 + t40 * t40) / size,
+        ),
+    )
+
+
+def octic(g: Any, theta: Any) -> tuple[Any, ...]:
+    """The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply)"""
+    theta_0, theta_1, theta_2 = theta
+    a_2_0 = theta_0 * g.k[21]
+    a_2_1 = theta_0 * g.k[22]
+    a_2_2 = theta_0 * g.k[23]
+    b_2_0 = theta_0 * g.k[24]
+    b_2_1 = theta_0 * g.k[25]
+    b_2_2 = theta_0 * g.k[26]
+    p_20_0 = g.k[18] + a_2_0
+    p_20_1 = b_2_0 * 2
+    p_20_2 = g.k[18] - a_2_0
+    p_21_0 = g.k[19] + a_2_1
+    p_21_1 = b_2_1 * 2
+    p_21_2 = g.k[19] - a_2_1
+    p_22_0 = g.k[20] + a_2_2
+    p_22_1 = b_2_2 * 2
+    p_22_2 = g.k[20] - a_2_2
+    B_2_0 = p_20_0 * g.k[28] + p_21_0 * g.k[29] + p_22_0 * g.k[30]
+    B_2_1 = p_20_1 * g.k[28] + p_21_1 * g.k[29] + p_22_1 * g.k[30]
+    B_2_2 = p_20_2 * g.k[28] + p_21_2 * g.k[29] + p_22_2 * g.k[30]
+    t1 = theta_1 * theta_1
+    C_2_0 = p_20_0 * p_20_0 + p_21_0 * p_21_0 + p_22_0 * p_22_0 - t1
+    t2 = p_20_0 * 2
+    t3 = 2 * p_21_0
+    t4 = 2 * p_22_0
+    C_2_1 = p_20_1 * t2 + p_21_1 * t3 + p_22_1 * t4
+    t5 = p_20_1 * p_20_1 + p_21_1 * p_21_1 + p_22_1 * p_22_1 + p_20_2 * t2 + p_21_2 * t3
+    C_2_2 = t5 + p_22_2 * t4 - 2 * t1
+    C_2_3 = p_20_2 * (2 * p_20_1) + p_21_2 * (2 * p_21_1) + p_22_2 * (2 * p_22_1)
+    C_2_4 = p_20_2 * p_20_2 + p_21_2 * p_21_2 + p_22_2 * p_22_2 - t1
+    a_3_0 = theta_0 * g.k[34]
+    a_3_1 = theta_0 * g.k[35]
+    a_3_2 = theta_0 * g.k[36]
+    b_3_0 = theta_0 * g.k[37]
+    b_3_1 = theta_0 * g.k[38]
+    b_3_2 = theta_0 * g.k[39]
+    p_30_0 = g.k[31] + a_3_0
+    p_30_1 = 2 * b_3_0
+    p_30_2 = g.k[31] - a_3_0
+    p_31_0 = g.k[32] + a_3_1
+    p_31_1 = 2 * b_3_1
+    p_31_2 = g.k[32] - a_3_1
+    p_32_0 = g.k[33] + a_3_2
+    p_32_1 = 2 * b_3_2
+    p_32_2 = g.k[33] - a_3_2
+    B_3_0 = p_30_0 * g.k[41] + p_31_0 * g.k[42] + p_32_0 * g.k[43]
+    B_3_1 = p_30_1 * g.k[41] + p_31_1 * g.k[42] + p_32_1 * g.k[43]
+    B_3_2 = p_30_2 * g.k[41] + p_31_2 * g.k[42] + p_32_2 * g.k[43]
+    t6 = theta_2 * theta_2
+    C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t6
+    t7 = 2 * p_30_0
+    t8 = 2 * p_31_0
+    t9 = 2 * p_32_0
+    C_3_1 = p_30_1 * t7 + p_31_1 * t8 + p_32_1 * t9
+    t10 = p_30_1 * p_30_1 + p_31_1 * p_31_1 + p_32_1 * p_32_1 + p_30_2 * t7 + p_31_2 * t8
+    C_3_2 = t10 + p_32_2 * t9 - 2 * t6
+    C_3_3 = p_30_2 * (2 * p_30_1) + p_31_2 * (2 * p_31_1) + p_32_2 * (2 * p_32_1)
+    C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t6
+    F_0 = g.k[27] * C_3_0 - C_2_0 * g.k[40]
+    F_1 = g.k[27] * C_3_1 - C_2_1 * g.k[40]
+    F_2 = g.k[27] * C_3_2 - C_2_2 * g.k[40]
+    F_3 = g.k[27] * C_3_3 - C_2_3 * g.k[40]
+    F_4 = g.k[27] * C_3_4 - C_2_4 * g.k[40]
+    G_0 = g.k[27] * B_3_0 - B_2_0 * g.k[40]
+    G_1 = g.k[27] * B_3_1 - B_2_1 * g.k[40]
+    G_2 = g.k[27] * B_3_2 - B_2_2 * g.k[40]
+    H_0 = B_2_0 * C_3_0 - C_2_0 * B_3_0
+    H_1 = B_2_0 * C_3_1 + B_2_1 * C_3_0 - C_2_1 * B_3_0 - C_2_0 * B_3_1
+    H_2 = B_2_0 * C_3_2 + B_2_1 * C_3_1 + B_2_2 * C_3_0 - C_2_2 * B_3_0 - C_2_1 * B_3_1 - C_2_0 * B_3_2
+    H_3 = B_2_0 * C_3_3 + B_2_1 * C_3_2 + B_2_2 * C_3_1 - C_2_3 * B_3_0 - C_2_2 * B_3_1 - C_2_1 * B_3_2
+    H_4 = B_2_0 * C_3_4 + B_2_1 * C_3_3 + B_2_2 * C_3_2 - C_2_4 * B_3_0 - C_2_3 * B_3_1 - C_2_2 * B_3_2
+    H_5 = B_2_1 * C_3_4 + B_2_2 * C_3_3 - C_2_4 * B_3_1 - C_2_3 * B_3_2
+    H_6 = B_2_2 * C_3_4 - C_2_4 * B_3_2
+    t11 = 2 * F_0
+    t12 = 2 * F_1
+    t13 = 2 * F_2
+    return (
+        F_0 * F_0 - G_0 * H_0,
+        F_1 * t11 - G_0 * H_1 - G_1 * H_0,
+        F_1 * F_1 + F_2 * t11 - G_0 * H_2 - G_1 * H_1 - G_2 * H_0,
+        F_3 * t11 + F_2 * t12 - G_0 * H_3 - G_1 * H_2 - G_2 * H_1,
+        F_2 * F_2 + F_4 * t11 + F_3 * t12 - G_0 * H_4 - G_1 * H_3 - G_2 * H_2,
+        F_4 * t12 + F_3 * t13 - G_0 * H_5 - G_1 * H_4 - G_2 * H_3,
+        F_3 * F_3 + F_4 * t13 - G_0 * H_6 - G_1 * H_5 - G_2 * H_4,
+        F_4 * (2 * F_3) - G_1 * H_6 - G_2 * H_5,
+        F_4 * F_4 - G_2 * H_6,
+    )
+
+
+def at_root(g: Any, root: Any, theta: Any) -> tuple[Any, ...]:
+    """End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266
+    multiply, 5 divide)"""
+    root_0, root_1 = root
+    theta_0, theta_1, theta_2 = theta
+    t1 = root_0 * root_0
+    t2 = root_1 * root_1
+    xy_2 = 1 / (t1 + t2)
+    cos_t = xy_2 * (t2 - t1)
+    sin_t = xy_2 * (root_1 * (root_0 * 2))
+    foot_0 = g.g[0] + theta_0 * (g.n[0] * cos_t + g.n[3] * sin_t)  # on the cylinder, x = 0
+    foot_1 = g.g[1] + theta_0 * (g.n[1] * cos_t + g.n[4] * sin_t)
+    foot_2 = g.g[2] + theta_0 * (g.n[2] * cos_t + g.n[5] * sin_t)
+    t3 = foot_0 - g.g[3]
+    t4 = foot_1 - g.g[4]
+    t5 = foot_2 - g.g[5]
+    t6 = g.e[3] * t3 + g.e[4] * t4 + g.e[5] * t5
+    p_2_0 = t3 - g.e[3] * t6
+    p_2_1 = t4 - g.e[4] * t6
+    p_2_2 = t5 - g.e[5] * t6
+    B_2 = p_2_0 * g.k[28] + p_2_1 * g.k[29] + p_2_2 * g.k[30]
+    t7 = foot_0 - g.g[6]
+    t8 = foot_1 - g.g[7]
+    t9 = foot_2 - g.g[8]
+    t10 = g.e[6] * t7 + g.e[7] * t8 + g.e[8] * t9
+    p_3_0 = t7 - g.e[6] * t10
+    p_3_1 = t8 - g.e[7] * t10
+    p_3_2 = t9 - g.e[8] * t10
+    B_3 = p_3_0 * g.k[41] + p_3_1 * g.k[42] + p_3_2 * g.k[43]
+    t11 = theta_2 * theta_2
+    t12 = theta_1 * theta_1
+    t13 = g.k[27] * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g.k[40] * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12)
+    t14 = 1 / (g.k[27] * B_3 - B_2 * g.k[40])
+    s_0_0 = foot_0 - g.e[0] * t13 * t14
+    s_0_1 = foot_1 - t14 * (g.e[1] * t13)
+    s_0_2 = foot_2 - t14 * (g.e[2] * t13)
+    arm_1_0 = s_0_0 - g.g[0]  # s - g_k
+    arm_1_1 = s_0_1 - g.g[1]
+    arm_1_2 = s_0_2 - g.g[2]
+    t15 = g.e[0] * arm_1_0 + g.e[1] * arm_1_1 + g.e[2] * arm_1_2
+    p_1_0 = arm_1_0 - g.e[0] * t15  # (2.52)
+    p_1_1 = arm_1_1 - g.e[1] * t15
+    p_1_2 = arm_1_2 - g.e[2] * t15
+    arm_2_0 = s_0_0 - g.g[3]  # s - g_k
+    arm_2_1 = s_0_1 - g.g[4]
+    arm_2_2 = s_0_2 - g.g[5]
+    t16 = g.e[3] * arm_2_0 + g.e[4] * arm_2_1 + g.e[5] * arm_2_2
+    p_2_0_a = arm_2_0 - g.e[3] * t16  # (2.52)
+    p_2_1_a = arm_2_1 - g.e[4] * t16
+    p_2_2_a = arm_2_2 - g.e[5] * t16
+    arm_3_0 = s_0_0 - g.g[6]  # s - g_k
+    arm_3_1 = s_0_1 - g.g[7]
+    arm_3_2 = s_0_2 - g.g[8]
+    t17 = g.e[6] * arm_3_0 + g.e[7] * arm_3_1 + g.e[8] * arm_3_2
+    p_3_0_a = arm_3_0 - g.e[6] * t17  # (2.52)
+    p_3_1_a = arm_3_1 - g.e[7] * t17
+    p_3_2_a = arm_3_2 - g.e[8] * t17
+    t18 = theta_0 * theta_0
+    residual_0 = p_1_0 * p_1_0 + p_1_1 * p_1_1 + p_1_2 * p_1_2 - t18
+    residual_1 = p_2_0_a * p_2_0_a + p_2_1_a * p_2_1_a + p_2_2_a * p_2_2_a - t12
+    residual_2 = p_3_0_a * p_3_0_a + p_3_1_a * p_3_1_a + p_3_2_a * p_3_2_a - t11
+    t19 = p_1_0 * g.k[0]
+    t20 = p_1_1 * g.k[1]
+    t21 = p_1_2 * g.k[2]
+    df_00 = t19 + t19 - (t20 + t20) - (t21 + t21)  # df/ds
+    t22 = p_2_0_a * g.k[3]
+    t23 = p_2_1_a * g.k[4]
+    t24 = p_2_2_a * g.k[5]
+    df_10 = t22 + t22 - (t23 + t23) - (t24 + t24)  # df/ds
+    t25 = p_3_0_a * g.k[6]
+    t26 = p_3_1_a * g.k[7]
+    t27 = p_3_2_a * g.k[8]
+    df_20 = t25 + t25 - (t26 + t26) - (t27 + t27)  # df/ds
+    t28 = p_1_0 * g.k[1]
+    t29 = p_1_1 * g.k[9]
+    t30 = p_1_2 * g.k[10]
+    df_01 = t29 + t29 - (t28 + t28) - (t30 + t30)  # df/ds
+    t31 = p_2_0_a * g.k[4]
+    t32 = p_2_1_a * g.k[11]
+    t33 = p_2_2_a * g.k[12]
+    df_11 = t32 + t32 - (t31 + t31) - (t33 + t33)  # df/ds
+    t34 = p_3_0_a * g.k[7]
+    t35 = p_3_1_a * g.k[13]
+    t36 = p_3_2_a * g.k[14]
+    df_21 = t35 + t35 - (t34 + t34) - (t36 + t36)  # df/ds
+    t37 = p_1_0 * g.k[2]
+    t38 = p_1_1 * g.k[10]
+    t39 = p_1_2 * g.k[15]
+    df_02 = t39 + t39 - (t37 + t37 + (t38 + t38))  # df/ds
+    t40 = p_2_0_a * g.k[5]
+    t41 = p_2_1_a * g.k[12]
+    t42 = p_2_2_a * g.k[16]
+    df_12 = t42 + t42 - (t40 + t40 + (t41 + t41))  # df/ds
+    t43 = p_3_0_a * g.k[8]
+    t44 = p_3_1_a * g.k[14]
+    t45 = p_3_2_a * g.k[17]
+    df_22 = t45 + t45 - (t43 + t43 + (t44 + t44))  # df/ds
+    t46 = df_11 * df_22 - df_21 * df_12
+    t47 = residual_0 * t46 + residual_1 * (df_21 * df_02 - df_01 * df_22) + residual_2 * (df_01 * df_12 - df_11 * df_02)
+    t48 = df_20 * df_12 - df_10 * df_22
+    t49 = df_10 * df_21 - df_20 * df_11
+    t50 = 1 / (df_00 * t46 + df_01 * t48 + df_02 * t49)
+    t51 = residual_0 * t48 + residual_1 * (df_00 * df_22 - df_20 * df_02) + residual_2 * (df_10 * df_02 - df_00 * df_12)
+    t52 = residual_0 * t49 + residual_1 * (df_20 * df_01 - df_00 * df_21) + residual_2 * (df_00 * df_11 - df_10 * df_01)
+    s_next_0 = s_0_0 - t47 * t50
+    s_next_1 = s_0_1 - t50 * t51
+    s_next_2 = s_0_2 - t50 * t52
+    arm_1_0_a = s_next_0 - g.g[0]  # s - g_k
+    arm_1_1_a = s_next_1 - g.g[1]
+    arm_1_2_a = s_next_2 - g.g[2]
+    t53 = g.e[0] * arm_1_0_a + g.e[1] * arm_1_1_a + g.e[2] * arm_1_2_a
+    p_1_0_a = arm_1_0_a - g.e[0] * t53  # (2.52)
+    p_1_1_a = arm_1_1_a - g.e[1] * t53
+    p_1_2_a = arm_1_2_a - g.e[2] * t53
+    arm_2_0_a = s_next_0 - g.g[3]  # s - g_k
+    arm_2_1_a = s_next_1 - g.g[4]
+    arm_2_2_a = s_next_2 - g.g[5]
+    t54 = g.e[3] * arm_2_0_a + g.e[4] * arm_2_1_a + g.e[5] * arm_2_2_a
+    p_2_0_b = arm_2_0_a - g.e[3] * t54  # (2.52)
+    p_2_1_b = arm_2_1_a - g.e[4] * t54
+    p_2_2_b = arm_2_2_a - g.e[5] * t54
+    arm_3_0_a = s_next_0 - g.g[6]  # s - g_k
+    arm_3_1_a = s_next_1 - g.g[7]
+    arm_3_2_a = s_next_2 - g.g[8]
+    t55 = g.e[6] * arm_3_0_a + g.e[7] * arm_3_1_a + g.e[8] * arm_3_2_a
+    p_3_0_b = arm_3_0_a - g.e[6] * t55  # (2.52)
+    p_3_1_b = arm_3_1_a - g.e[7] * t55
+    p_3_2_b = arm_3_2_a - g.e[8] * t55
+    residual_0_a = p_1_0_a * p_1_0_a + p_1_1_a * p_1_1_a + p_1_2_a * p_1_2_a - t18
+    residual_1_a = p_2_0_b * p_2_0_b + p_2_1_b * p_2_1_b + p_2_2_b * p_2_2_b - t12
+    residual_2_a = p_3_0_b * p_3_0_b + p_3_1_b * p_3_1_b + p_3_2_b * p_3_2_b - t11
+    t56 = g.k[0] * p_1_0_a
+    t57 = g.k[1] * p_1_1_a
+    t58 = g.k[2] * p_1_2_a
+    df_00_a = t56 + t56 - (t57 + t57) - (t58 + t58)  # df/ds
+    t59 = g.k[3] * p_2_0_b
+    t60 = g.k[4] * p_2_1_b
+    t61 = g.k[5] * p_2_2_b
+    df_10_a = t59 + t59 - (t60 + t60) - (t61 + t61)  # df/ds
+    t62 = g.k[6] * p_3_0_b
+    t63 = g.k[7] * p_3_1_b
+    t64 = g.k[8] * p_3_2_b
+    df_20_a = t62 + t62 - (t63 + t63) - (t64 + t64)  # df/ds
+    t65 = g.k[1] * p_1_0_a
+    t66 = g.k[9] * p_1_1_a
+    t67 = g.k[10] * p_1_2_a
+    df_01_a = t66 + t66 - (t65 + t65) - (t67 + t67)  # df/ds
+    t68 = g.k[4] * p_2_0_b
+    t69 = g.k[11] * p_2_1_b
+    t70 = g.k[12] * p_2_2_b
+    df_11_a = t69 + t69 - (t68 + t68) - (t70 + t70)  # df/ds
+    t71 = g.k[7] * p_3_0_b
+    t72 = g.k[13] * p_3_1_b
+    t73 = g.k[14] * p_3_2_b
+    df_21_a = t72 + t72 - (t71 + t71) - (t73 + t73)  # df/ds
+    t74 = g.k[2] * p_1_0_a
+    t75 = g.k[10] * p_1_1_a
+    t76 = g.k[15] * p_1_2_a
+    df_02_a = t76 + t76 - (t74 + t74 + (t75 + t75))  # df/ds
+    t77 = g.k[5] * p_2_0_b
+    t78 = g.k[12] * p_2_1_b
+    t79 = g.k[16] * p_2_2_b
+    df_12_a = t79 + t79 - (t77 + t77 + (t78 + t78))  # df/ds
+    t80 = g.k[8] * p_3_0_b
+    t81 = g.k[14] * p_3_1_b
+    t82 = g.k[17] * p_3_2_b
+    df_22_a = t82 + t82 - (t80 + t80 + (t81 + t81))  # df/ds
+    t83 = df_11_a * df_22_a - df_21_a * df_12_a
+    t84 = residual_0_a * t83 + residual_1_a * (df_21_a * df_02_a - df_01_a * df_22_a) + residual_2_a * (df_01_a * df_12_a - df_11_a * df_02_a)
+    t85 = df_20_a * df_12_a - df_10_a * df_22_a
+    t86 = df_10_a * df_21_a - df_20_a * df_11_a
+    t87 = 1 / (df_00_a * t83 + df_01_a * t85 + df_02_a * t86)
+    t88 = residual_0_a * t85 + residual_1_a * (df_00_a * df_22_a - df_20_a * df_02_a) + residual_2_a * (df_10_a * df_02_a - df_00_a * df_12_a)
+    t89 = residual_0_a * t86 + residual_1_a * (df_20_a * df_01_a - df_00_a * df_21_a) + residual_2_a * (df_00_a * df_11_a - df_10_a * df_01_a)
+    s_next_0_a = s_next_0 - t84 * t87
+    s_next_1_a = s_next_1 - t87 * t88
+    s_next_2_a = s_next_2 - t87 * t89
+    arm_1_0_b = s_next_0_a - g.g[0]  # s - g_k
+    arm_1_1_b = s_next_1_a - g.g[1]
+    arm_1_2_b = s_next_2_a - g.g[2]
+    t90 = g.e[0] * arm_1_0_b + g.e[1] * arm_1_1_b + g.e[2] * arm_1_2_b
+    p_1_0_b = arm_1_0_b - g.e[0] * t90  # (2.52)
+    p_1_1_b = arm_1_1_b - g.e[1] * t90
+    p_1_2_b = arm_1_2_b - g.e[2] * t90
+    arm_2_0_b = s_next_0_a - g.g[3]  # s - g_k
+    arm_2_1_b = s_next_1_a - g.g[4]
+    arm_2_2_b = s_next_2_a - g.g[5]
+    t91 = g.e[3] * arm_2_0_b + g.e[4] * arm_2_1_b + g.e[5] * arm_2_2_b
+    p_2_0_c = arm_2_0_b - g.e[3] * t91  # (2.52)
+    p_2_1_c = arm_2_1_b - g.e[4] * t91
+    p_2_2_c = arm_2_2_b - g.e[5] * t91
+    arm_3_0_b = s_next_0_a - g.g[6]  # s - g_k
+    arm_3_1_b = s_next_1_a - g.g[7]
+    arm_3_2_b = s_next_2_a - g.g[8]
+    t92 = g.e[6] * arm_3_0_b + g.e[7] * arm_3_1_b + g.e[8] * arm_3_2_b
+    p_3_0_c = arm_3_0_b - g.e[6] * t92  # (2.52)
+    p_3_1_c = arm_3_1_b - g.e[7] * t92
+    p_3_2_c = arm_3_2_b - g.e[8] * t92
+    t93 = p_1_0_b * (p_2_1_c * p_3_2_c - p_2_2_c * p_3_1_c) + p_1_1_b * (p_2_2_c * p_3_0_c - p_2_0_c * p_3_2_c)
+    t94 = p_1_0_b * p_1_0_b + p_1_1_b * p_1_1_b + p_1_2_b * p_1_2_b - t18
+    t95 = p_2_0_c * p_2_0_c + p_2_1_c * p_2_1_c + p_2_2_c * p_2_2_c - t12
+    t96 = p_3_0_c * p_3_0_c + p_3_1_c * p_3_1_c + p_3_2_c * p_3_2_c - t11
+    t97 = t11 + (t12 + t18)
+    return (
+        (  # s
+            s_next_0_a,
+            s_next_1_a,
+            s_next_2_a,
+        ),
+        (  # volume
+            t93 + p_1_2_b * (p_2_0_c * p_3_1_c - p_2_1_c * p_3_0_c),
+        ),
+        (  # miss
+            (t94 * t94 + t95 * t95 + t96 * t96) / (t97 * t97),
         ),
     )
 
@@ -362,7 +708,7 @@ def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
             m_22,
         ),
         (  # regularity
-            ca.fabs(volume * g.k[18]),
+            ca.fabs(volume * g.k[44]),
         ),
     )
 
@@ -397,7 +743,7 @@ def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
             N_10 * m_02 + N_11 * m_12 + N_12 * m_22,
         ),
         (  # regularity
-            ca.fabs(volume * g.k[18]),
+            ca.fabs(volume * g.k[44]),
         ),
     )
 
@@ -429,7 +775,7 @@ def velocity(g: Any, w: Any, b: Any, theta_dot: Any) -> tuple[Any, ...]:
             v_l_2,
         ),
         (  # regularity
-            ca.fabs(volume * g.k[18]),
+            ca.fabs(volume * g.k[44]),
         ),
     )
 
@@ -516,7 +862,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
             t9 * (t38 - s_dot_2 * t29),
         ),
         (  # regularity
-            ca.fabs(volume * g.k[18]),
+            ca.fabs(volume * g.k[44]),
         ),
     )
 
@@ -531,7 +877,7 @@ def rates(g: Any, w: Any, b: Any, s_dot: Any) -> tuple[Any, ...]:
     w_0 = w_00 * s_dot_0 + w_01 * s_dot_1 + w_02 * s_dot_2  # A s_dot
     w_1 = w_10 * s_dot_0 + w_11 * s_dot_1 + w_12 * s_dot_2
     w_2 = w_20 * s_dot_0 + w_21 * s_dot_1 + w_22 * s_dot_2
-    regularity_a = ca.fmin(ca.fmin(ca.fabs(b_0 * g.k[19]), ca.fabs(b_1 * g.k[19])), ca.fabs(b_2 * g.k[19]))
+    regularity_a = ca.fmin(ca.fmin(ca.fabs(b_0 * g.k[45]), ca.fabs(b_1 * g.k[45])), ca.fabs(b_2 * g.k[45]))
     return (
         (  # theta_dot
             w_0 / b_0,
@@ -555,10 +901,10 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
             b_2 * (b_0 * b_1) / volume,
         ),
         (  # factors
-            b_0 * g.k[19],
-            b_1 * g.k[19],
-            b_2 * g.k[19],
-            volume * g.k[18],
+            b_0 * g.k[45],
+            b_1 * g.k[45],
+            b_2 * g.k[45],
+            volume * g.k[44],
         ),
     )
 
@@ -568,9 +914,9 @@ def passive(g: Any, w: Any, travel: Any) -> tuple[Any, ...]:
     multiply, 3 arctangent)"""
     w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
     travel_0, travel_1, travel_2 = travel
-    passive_0 = ca.atan2(w_00 * g.k[23] + w_01 * g.k[24] + w_02 * g.k[25], w_00 * g.k[20] + w_01 * g.k[21] + w_02 * g.k[22])
-    passive_2 = ca.atan2(w_10 * g.k[29] + w_11 * g.k[30] + w_12 * g.k[31], w_10 * g.k[26] + w_11 * g.k[27] + w_12 * g.k[28])
-    passive_4 = ca.atan2(w_20 * g.k[35] + w_21 * g.k[36] + w_22 * g.k[37], w_20 * g.k[32] + w_21 * g.k[33] + w_22 * g.k[34])
+    passive_0 = ca.atan2(w_00 * g.k[49] + w_01 * g.k[50] + w_02 * g.k[51], w_00 * g.k[46] + w_01 * g.k[47] + w_02 * g.k[48])
+    passive_2 = ca.atan2(w_10 * g.k[55] + w_11 * g.k[56] + w_12 * g.k[57], w_10 * g.k[52] + w_11 * g.k[53] + w_12 * g.k[54])
+    passive_4 = ca.atan2(w_20 * g.k[61] + w_21 * g.k[62] + w_22 * g.k[63], w_20 * g.k[58] + w_21 * g.k[59] + w_22 * g.k[60])
     return (
         (  # passive
             passive_0,

@@ -144,6 +144,54 @@ def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     )
 
 
+def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End points of the P(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop
+    cannot close.  Thesis: 3.5.  (34 add, 32 multiply, 1 divide, 1 square root, 2 sine cosine)"""
+    theta_0, theta_1, theta_2 = theta
+    u_1_0 = g.l_4 * ca.cos(theta_1)  # crank u_1
+    u_1_1 = g.l_4 * ca.sin(theta_1)
+    u_2_0 = g.l_2 * ca.cos(theta_2)  # crank u_2
+    u_2_1 = g.l_2 * ca.sin(theta_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    d2 = f_0 * f_0 + f_1 * f_1
+    t1 = 1 / d2
+    along = 0.5 * (d2 + g.k[0] - g.k[1]) * t1
+    h2 = g.k[0] * t1 - along * along
+    across = ca.sqrt(h2)
+    t2 = f_0 * along
+    t3 = f_1 * across
+    meeting_0 = t2 - t3
+    t4 = f_0 * across
+    t5 = f_1 * along
+    meeting_1 = t4 + t5
+    w_0 = meeting_0 - f_0  # P - E
+    w_1 = meeting_1 - f_1
+    d_0 = u_1_0 + w_0 * g.k[2]
+    d_1 = u_1_1 + w_1 * g.k[2]
+    t6 = g.e_t[0] * theta_0
+    t7 = g.e_t[1] * theta_0
+    meeting_0_a = t2 + t3
+    meeting_1_a = t5 - t4
+    w_0_a = meeting_0_a - f_0  # P - E
+    w_1_a = meeting_1_a - f_1
+    d_0_a = u_1_0 + g.k[2] * w_0_a
+    d_1_a = u_1_1 + g.k[2] * w_1_a
+    return (
+        (  # s
+            g.c[0] + g.e_x[0] * d_0 + g.e_1[0] * d_1 + t6,
+            g.c[1] + g.e_x[1] * d_0 + g.e_1[1] * d_1 + t7,
+            g.c[2] + g.e_x[2] * d_0 + g.e_1[2] * d_1,
+            t6 + (g.c[0] + g.e_x[0] * d_0_a + g.e_1[0] * d_1_a),
+            t7 + (g.c[1] + g.e_x[1] * d_0_a + g.e_1[1] * d_1_a),
+            g.c[2] + g.e_x[2] * d_0_a + g.e_1[2] * d_1_a,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the P(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2

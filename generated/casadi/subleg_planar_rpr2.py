@@ -103,6 +103,39 @@ def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     )
 
 
+def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End points of the (2-RPR) sub-leg in every assembly mode: left, right; NaN where the loop cannot
+    close.  Thesis: 3.5.  (11 add, 10 multiply, 1 square root)"""
+    theta_0, theta_1 = theta
+    t1 = theta_0 * theta_0
+    along = 0.5 * (g.k[0] + t1 - theta_1 * theta_1) * g.k[1]
+    h2 = t1 * g.k[1] - along * along
+    across = ca.sqrt(h2)
+    t2 = g.o_12[0] * along
+    t3 = g.o_12[1] * across
+    meeting_0 = t2 - t3
+    t4 = g.o_12[0] * across
+    t5 = g.o_12[1] * along
+    meeting_1 = t4 + t5
+    r_0 = g.o[0] + meeting_0
+    r_1 = g.o[1] + meeting_1
+    meeting_0_a = t2 + t3
+    meeting_1_a = t5 - t4
+    r_0_a = g.o[0] + meeting_0_a
+    r_1_a = g.o[1] + meeting_1_a
+    return (
+        (  # s
+            r_0,
+            r_1,
+            r_0_a,
+            r_1_a,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
 def inverse(g: Any, s: Any) -> tuple[Any, ...]:
     """Actuated joints of the (2-RPR) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root)"""

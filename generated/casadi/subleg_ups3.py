@@ -163,6 +163,39 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     )
 
 
+def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End points of the (3-UPS) sub-leg in every assembly mode: first the one on the side of the
+    normal; NaN where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root)"""
+    theta_0, theta_1, theta_2 = theta
+    t1 = theta_0 * theta_0
+    t2 = 0.5 * t1
+    q_2 = g.k[2] + t2 - 0.5 * (theta_1 * theta_1)
+    q_3 = t2 + g.k[3] - 0.5 * (theta_2 * theta_2)
+    foot_0 = (q_2 * g.k[4] + q_3 * g.k[5]) * g.k[6]  # in the plane of the centres
+    foot_1 = g.k[6] * (q_2 * g.k[7] + q_3 * g.k[8])
+    foot_2 = g.k[6] * (g.k[0] * q_2 + g.k[0] * q_3)
+    h2 = g.k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
+    height = ca.sqrt(h2)
+    t3 = g.g[0] + foot_0
+    t4 = g.k[0] * height
+    t5 = g.g[1] + foot_1
+    t6 = g.g[2] + foot_2
+    t7 = g.k[1] * height
+    return (
+        (  # s
+            t3 + t4,
+            t4 + t5,
+            t6 + t7,
+            t3 - t4,
+            t5 - t4,
+            t6 - t7,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
 def inverse(g: Any, s: Any) -> tuple[Any, ...]:
     """Actuated joints of the (3-UPS) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root)"""

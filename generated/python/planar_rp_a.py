@@ -31,6 +31,7 @@ __all__ = [
     "Status",
     "constraints",
     "end_points",
+    "forward",
     "forward_all",
     "inverse",
     "inverse_all",
@@ -63,6 +64,7 @@ DEFAULT_MODE = "rho+"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = "only"
+DEFAULT_BOX = ((0.5235987755982988, 2.6179938779914944), (0.5235987755982988, 2.6179938779914944), (0.5235987755982988, 2.6179938779914944))
 ANGULAR = (True, False,)
 LINKS = (
     ("h", "fixed", "A", "D"),
@@ -470,6 +472,23 @@ SIGNATURES = {
         ),
         "(3,2)->(6,2),(6),(6,3),(6),(),(),()",
     ),
+    "forward": rt.Signature(
+        "forward",
+        "The pose of the platform and the redundant coordinates from the actuated joints alone: the only solution with its redundant angles in the box, without a guess or an extra encoder.  That it is the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box within (30, 150) deg.",
+        "3.2.1",
+        (
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("theta", "rho", )),
+            rt.Port("box", (3, 2), "rad", "joint", "the least and the largest redundant angle of the answer; an angle is given with the full turns that bring it there", "stacked", ()),
+        ),
+        (
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
+        ),
+        "(3,2),(3,2)->(2),(),(3),(),(),()",
+    ),
 }
 
 
@@ -526,6 +545,16 @@ class ForwardAll(NamedTuple):
     det_J: Any
     count: Any
     doubtful: Any
+
+
+class Forward(NamedTuple):
+    """Results of `forward`."""
+
+    p: Any
+    phi: Any
+    redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -1306,4 +1335,58 @@ def forward_all(s: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool =
             ),
         )
     answer = ForwardAll(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward(
+    theta: Any, box: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose of the platform and the redundant coordinates from the actuated joints alone: the only
+    solution with its redundant angles in the box, without a guess or an extra encoder.  That it is
+    the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box
+    within (30, 150) deg.
+
+    Thesis: 3.2.1.
+
+    Args:
+        theta (..., 3, 2) [rad or m]: actuated joints [theta, rho]
+        box (..., 3, 2) [rad]: the least and the largest redundant angle of the answer; an angle
+            is given with the full turns that bring it there, the default unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
+    """
+    if box is None:
+        box = DEFAULT_BOX
+    arguments = rt.Arguments(SIGNATURES["forward"], (theta, box,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        s = subleg.forward(g.subleg, arguments.leg("theta"))
+        anchor, length = platform.tie(g.platform)
+        certificate = platform.uniqueness(rt.legs(anchor), rt.legs(length), arguments.whole("box"))
+        points, sextic = platform.sextic(rt.legs(s), rt.legs(anchor), rt.legs(length))
+        p, phi, redundant, _det_J, count, certified, inside, ambiguous = rt.only_root(
+            lambda root: platform.assembly(root, rt.legs(s), rt.legs(anchor), rt.legs(length), points),
+            sextic, 1e-14, 1e-18, 2, arguments.whole("box"), certificate)
+        results = arguments.finish(
+            {
+                "p": p,
+                "phi": phi,
+                "redundant": redundant,
+                "count": count,
+                "certified": certified,
+            },
+            (
+                rt.Guard(inside[0], True, 1.0, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", ), ("count", "certified", )),
+                rt.Guard(ambiguous[0], False, 0.0, Status.AMBIGUOUS, False, ("p", "phi", "redundant", ), ("count", "certified", )),
+            ),
+        )
+    answer = Forward(*results[:-1])
     return (answer, results[-1]) if status else answer

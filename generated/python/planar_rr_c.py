@@ -479,8 +479,10 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("redundant", (3,), "m", "joint", "slide delta_i along t_i, from O', signed", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
         ),
-        "(3,2),()->(2),(),(3),()",
+        "(3,2),()->(2),(),(3),(),(),()",
     ),
 }
 
@@ -545,6 +547,8 @@ class Forward(NamedTuple):
     p: Any
     phi: Any
     redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -1334,6 +1338,9 @@ def forward(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         redundant (..., 3) [m]: slide delta_i along t_i, from O', signed
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
     """
     if side is None:
         side = 1.0
@@ -1342,18 +1349,20 @@ def forward(
     with rt.quiet():
         s = subleg.forward(g.subleg, arguments.leg("theta"))
         slide = platform.tie(g.platform)
-        breadth, assembly_radicand, sign, p, phi, redundant = platform.assembly_mode(
+        breadth, assembly_radicand, sign, p, phi, redundant, count, certified = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), arguments.whole("side"))
         results = arguments.finish(
             {
                 "p": p,
                 "phi": phi,
                 "redundant": redundant,
+                "count": count,
+                "certified": certified,
             },
             (
-                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", )),
-                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "redundant", )),
-                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", "count", "certified", )),
+                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "redundant", "count", "certified", )),
+                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "phi", "redundant", "count", "certified", )),
             ),
         )
     answer = Forward(*results[:-1])

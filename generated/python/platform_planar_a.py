@@ -612,3 +612,48 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[
             (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50),
         ),
     )
+
+
+def uniqueness(anchor: Any, length: Any, box: Any) -> tuple[Any, ...]:
+    """Where a box holds one solution: margins that are all at least zero there.  Thesis: errata 4,
+    (1.35).  (32 add, 28 multiply, 3 divide)"""
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    box_00, box_01, box_10, box_11, box_20, box_21 = box
+    R_1 = anchor_00 * anchor_00 + anchor_01 * anchor_01
+    R_2 = anchor_10 * anchor_10 + anchor_11 * anchor_11
+    R_3 = anchor_20 * anchor_20 + anchor_21 * anchor_21
+    t1 = anchor_10 - anchor_00
+    t2 = anchor_11 - anchor_01
+    side_1 = t1 * t1 + t2 * t2
+    t3 = anchor_20 - anchor_10
+    t4 = anchor_21 - anchor_11
+    side_2 = t3 * t3 + t4 * t4
+    t5 = anchor_00 - anchor_20
+    t6 = anchor_01 - anchor_21
+    side_3 = t5 * t5 + t6 * t6
+    t7 = 1 / R_1
+    t8 = R_2 * t7 - 1
+    t9 = R_3 * t7 - 1
+    t10 = 1 / side_1
+    t11 = side_2 * t10 - 1
+    t12 = side_3 * t10 - 1
+    t13 = 1 / length_0
+    t14 = length_1 * t13 - 1
+    t15 = length_2 * t13 - 1
+    return (
+        (1 / 1000000000000000000) - t8 * t8,
+        (1 / 1000000000000000000) - t9 * t9,
+        (1 / 1000000000000000000) - t11 * t11,
+        (1 / 1000000000000000000) - t12 * t12,
+        (1 / 1000000000000000000) - t14 * t14,
+        (1 / 1000000000000000000) - t15 * t15,
+        t1 * t4 - t2 * t3,
+        R_1 * (8999999991 / 16000000000) - length_0 * length_0,
+        box_00 - (1308996938995747 / 2500000000000000),
+        (409061543436171 / 156250000000000) - box_01,
+        box_10 - (1308996938995747 / 2500000000000000),
+        (409061543436171 / 156250000000000) - box_11,
+        box_20 - (1308996938995747 / 2500000000000000),
+        (409061543436171 / 156250000000000) - box_21,
+    )

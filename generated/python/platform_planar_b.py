@@ -511,4 +511,10 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
             slide_10 * S_2_0 + slide_11 * S_2_1 - start_1,
             slide_20 * S_3_0 + slide_21 * S_3_1 - start_2,
         ),
+        (  # count
+            2,
+        ),
+        (  # certified
+            1,
+        ),
     )

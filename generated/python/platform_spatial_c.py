@@ -676,4 +676,10 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
             slide_10 * S_2_0 - slide_11 * (t7 + o_1),
             slide_20 * S_3_0 + slide_21 * S_3_1,
         ),
+        (  # count
+            2,
+        ),
+        (  # certified
+            1,
+        ),
     )

@@ -261,6 +261,53 @@ def at_roots(
     return (*components, (count,), (doubtful,), (count + doubtful,))
 
 
+def only_root(
+    step: Callable[[Any], Any],
+    polynomial: tuple[Any, ...],
+    error: float,
+    tolerance: float,
+    angles: int,
+    box: tuple[Any, ...],
+    certificate: tuple[Any, ...],
+) -> tuple[Any, ...]:
+    """What `step` (as for `at_roots`) gives at the root whose angles, result number `angles`, lie in a box.
+
+    The box has the least and the largest of each angle in turn.  Where all elements of `certificate` are at least
+    zero there cannot be two, and solutions in doubt lie elsewhere.  Returns each result's components, how many
+    solutions there are in all, whether the answer is certified, how many are in the box (and 1 more where some are in
+    doubt), and whether they cannot be told apart.
+    """
+    turn = 6.283185307179586
+    degree = len(polynomial) - 1
+    found = real_roots(np.stack(np.broadcast_arrays(*polynomial), axis=-1), error)
+    certified = np.all(np.broadcast_arrays(*(np.asarray(margin) >= 0 for margin in certificate)), axis=0)
+    chosen: list[Any] = []
+    count: Any = 0.0
+    inside: Any = 0.0
+    for k in range(degree):
+        *results, (miss,) = step((found.x[..., k], found.y[..., k]))
+        kept = miss <= tolerance
+        count = count + kept
+        here = kept
+        turned = []
+        for angle, low, high in zip(results[angles], box[::2], box[1::2], strict=True):
+            angle = angle - turn * np.floor((angle - low) / turn)
+            turned.append(angle)
+            here = here & (angle <= high)
+        results[angles] = tuple(turned)
+        parts = [part for result in results for part in result]
+        chosen = [np.where(here, part, before) for part, before in zip(parts, chosen or [np.nan] * len(parts), strict=True)]
+        inside = inside + here
+    in_doubt = (found.doubtful > 0) | (found.count > count)
+    ambiguous = (inside > 1) | (in_doubt & (~certified | (inside == 0)))
+    components, place = [], 0
+    for result in results:
+        components.append(tuple(chosen[place : place + len(result)]))
+        place += len(result)
+    numbers = (count, certified, inside + in_doubt, ambiguous)
+    return (*components, *((np.asarray(number, dtype=float),) for number in numbers))
+
+
 def nearest(found: Any, wanted: Any, is_angle: Sequence[bool]) -> Any:
     """Of all modes `found` (..., 3, modes, n) the one nearest to `wanted` (..., 3, n), angles continued beyond +-pi."""
     turn = 6.283185307179586

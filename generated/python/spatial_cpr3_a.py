@@ -31,6 +31,7 @@ __all__ = [
     "Status",
     "constraints",
     "end_points",
+    "forward",
     "forward_all",
     "inverse",
     "inverse_all",
@@ -47,6 +48,7 @@ __all__ = [
     "rotation_error",
     "singularity",
     "subleg_forward",
+    "subleg_forward_all",
     "subleg_inverse",
     "subleg_jacobian",
     "twist",
@@ -63,6 +65,7 @@ DEFAULT_MODE = "only"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = "only"
+DEFAULT_BOX = ((0.5235987755982988, 2.6179938779914944), (0.5235987755982988, 2.6179938779914944), (0.5235987755982988, 2.6179938779914944))
 ANGULAR = (False, False, False,)
 LINKS = (
     ("rho_1", "strut", "C_1", "S"),
@@ -268,6 +271,21 @@ SIGNATURES = {
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
         ),
         "(3,3),(3,3)->(3,3),()",
+    ),
+    "subleg_forward_all": rt.Signature(
+        "subleg_forward_all",
+        "End points of the sub-legs in every assembly mode, from the actuated joints: the real roots of an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two all but coincide, or share the angle about axis 1, they are left out and said to be in doubt.",
+        "2.4.3",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
+        ),
+        (
+            rt.Port("s", (3, 8, 3), "m", "base", "end point of the sub-leg in every assembly mode, NaN behind the last", "stacked", ()),
+            rt.Port("volume", (3, 8), "mixed", "-", "p_1^T (p_2 x p_3), whose sign tells assembly modes apart", "stacked", ()),
+            rt.Port("count", (3,), "1", "-", "number of assembly modes", "stacked", ()),
+            rt.Port("doubtful", (3,), "1", "-", "1 where there may be further ones, else 0", "stacked", ()),
+        ),
+        "(3,3)->(3,8,3),(3,8),(3),(3),()",
     ),
     "subleg_inverse": rt.Signature(
         "subleg_inverse",
@@ -550,7 +568,35 @@ SIGNATURES = {
         ),
         "(3,3),()->(6,3),(6,3,3),(6,3),(6),(),(),()",
     ),
+    "forward": rt.Signature(
+        "forward",
+        "The pose of the platform and the redundant coordinates from the actuated joints alone: the only solution with its redundant angles in the box, without a guess or an extra encoder.  That it is the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box within (30, 150) deg.",
+        "3.2.1",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
+            rt.Port("s_near", (3, 3), "m", "base", "a point near the end point, which chooses the assembly mode", "stacked", ()),
+            rt.Port("box", (3, 2), "rad", "joint", "the least and the largest redundant angle of the answer; an angle is given with the full turns that bring it there", "stacked", ()),
+            rt.Port("turned", (), "1", "-", "+1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its legs, -1 for the one turned over", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
+        ),
+        "(3,3),(3,3),(3,2),()->(3),(3,3),(3),(),(),()",
+    ),
 }
+
+
+class SublegForwardAll(NamedTuple):
+    """Results of `subleg_forward_all`."""
+
+    s: Any
+    volume: Any
+    count: Any
+    doubtful: Any
 
 
 class Jacobians(NamedTuple):
@@ -607,6 +653,16 @@ class ForwardAll(NamedTuple):
     det_J: Any
     count: Any
     doubtful: Any
+
+
+class Forward(NamedTuple):
+    """Results of `forward`."""
+
+    p: Any
+    Q: Any
+    redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -731,6 +787,46 @@ def subleg_forward(
             ),
         )
     answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def subleg_forward_all(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """End points of the sub-legs in every assembly mode, from the actuated joints: the real roots of
+    an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two all but coincide, or share
+    the angle about axis 1, they are left out and said to be in doubt.
+
+    Thesis: 2.4.3.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [rho_1, rho_2, rho_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        s (..., 3, 8, 3) [m] in the base frame: end point of the sub-leg in every assembly mode,
+            NaN behind the last
+        volume (..., 3, 8) [mixed]: p_1^T (p_2 x p_3), whose sign tells assembly modes apart
+        count (..., 3): number of assembly modes
+        doubtful (..., 3): 1 where there may be further ones, else 0
+    """
+    arguments = rt.Arguments(SIGNATURES["subleg_forward_all"], (theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        octic = subleg.octic(g.subleg, arguments.leg("theta"))
+        s, volume, count, doubtful, found = rt.at_roots(
+            lambda root: subleg.at_root(g.subleg, root, arguments.leg("theta")), octic, 1e-14, 1e-18, 1)
+        results = arguments.finish(
+            {
+                "s": s,
+                "volume": volume,
+                "count": count,
+                "doubtful": doubtful,
+            },
+            (
+                rt.Guard(found[0], True, 1.0, Status.UNREACHABLE_LEG_1, True, ("s", "volume", )),
+            ),
+        )
+    answer = SublegForwardAll(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 
@@ -1433,4 +1529,71 @@ def forward_all(
             ),
         )
     answer = ForwardAll(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward(
+    theta: Any, s_near: Any, box: Any = None, turned: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose of the platform and the redundant coordinates from the actuated joints alone: the only
+    solution with its redundant angles in the box, without a guess or an extra encoder.  That it is
+    the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box
+    within (30, 150) deg.
+
+    Thesis: 3.2.1.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [rho_1, rho_2, rho_3]
+        s_near (..., 3, 3) [m] in the base frame: a point near the end point, which chooses the
+            assembly mode
+        box (..., 3, 2) [rad]: the least and the largest redundant angle of the answer; an angle
+            is given with the full turns that bring it there, the default unless given
+        turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
+            its legs, -1 for the one turned over; +1 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
+    """
+    if box is None:
+        box = DEFAULT_BOX
+    if turned is None:
+        turned = 1.0
+    arguments = rt.Arguments(SIGNATURES["forward"], (theta, s_near, box, turned,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        s, change = rt.repeat(
+            lambda at: subleg.forward_step(g.subleg, arguments.leg("theta"), at), arguments.leg("s_near"),
+            1e-20, 25)
+        anchor, length = platform.tie(g.platform)
+        certificate = platform.uniqueness(rt.legs(anchor), rt.legs(length), arguments.whole("box"))
+        sign, flatness, points, axes, sextic = platform.sextic(
+            rt.legs(s), rt.legs(anchor), rt.legs(length), arguments.whole("turned"))
+        p, Q, redundant, _det_J, count, certified, inside, ambiguous = rt.only_root(
+            lambda root: platform.assembly(root, rt.legs(s), rt.legs(anchor), rt.legs(length), points, axes),
+            sextic, 1e-14, 1e-18, 2, arguments.whole("box"), certificate)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "redundant": redundant,
+                "count": count,
+                "certified": certified,
+            },
+            (
+                rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+                rt.Guard(inside[0], True, 1.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+                rt.Guard(ambiguous[0], False, 0.0, Status.AMBIGUOUS, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+            ),
+        )
+    answer = Forward(*results[:-1])
     return (answer, results[-1]) if status else answer

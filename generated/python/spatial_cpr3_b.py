@@ -48,6 +48,7 @@ __all__ = [
     "rotation_error",
     "singularity",
     "subleg_forward",
+    "subleg_forward_all",
     "subleg_inverse",
     "subleg_jacobian",
     "twist",
@@ -268,6 +269,21 @@ SIGNATURES = {
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
         ),
         "(3,3),(3,3)->(3,3),()",
+    ),
+    "subleg_forward_all": rt.Signature(
+        "subleg_forward_all",
+        "End points of the sub-legs in every assembly mode, from the actuated joints: the real roots of an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two all but coincide, or share the angle about axis 1, they are left out and said to be in doubt.",
+        "2.4.3",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
+        ),
+        (
+            rt.Port("s", (3, 8, 3), "m", "base", "end point of the sub-leg in every assembly mode, NaN behind the last", "stacked", ()),
+            rt.Port("volume", (3, 8), "mixed", "-", "p_1^T (p_2 x p_3), whose sign tells assembly modes apart", "stacked", ()),
+            rt.Port("count", (3,), "1", "-", "number of assembly modes", "stacked", ()),
+            rt.Port("doubtful", (3,), "1", "-", "1 where there may be further ones, else 0", "stacked", ()),
+        ),
+        "(3,3)->(3,8,3),(3,8),(3),(3),()",
     ),
     "subleg_inverse": rt.Signature(
         "subleg_inverse",
@@ -562,10 +578,21 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
         ),
-        "(3,3),(3,3),()->(3),(3,3),(3),()",
+        "(3,3),(3,3),()->(3),(3,3),(3),(),(),()",
     ),
 }
+
+
+class SublegForwardAll(NamedTuple):
+    """Results of `subleg_forward_all`."""
+
+    s: Any
+    volume: Any
+    count: Any
+    doubtful: Any
 
 
 class Jacobians(NamedTuple):
@@ -629,6 +656,8 @@ class Forward(NamedTuple):
     p: Any
     Q: Any
     redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -751,6 +780,46 @@ def subleg_forward(
             ),
         )
     answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def subleg_forward_all(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """End points of the sub-legs in every assembly mode, from the actuated joints: the real roots of
+    an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two all but coincide, or share
+    the angle about axis 1, they are left out and said to be in doubt.
+
+    Thesis: 2.4.3.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [rho_1, rho_2, rho_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        s (..., 3, 8, 3) [m] in the base frame: end point of the sub-leg in every assembly mode,
+            NaN behind the last
+        volume (..., 3, 8) [mixed]: p_1^T (p_2 x p_3), whose sign tells assembly modes apart
+        count (..., 3): number of assembly modes
+        doubtful (..., 3): 1 where there may be further ones, else 0
+    """
+    arguments = rt.Arguments(SIGNATURES["subleg_forward_all"], (theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        octic = subleg.octic(g.subleg, arguments.leg("theta"))
+        s, volume, count, doubtful, found = rt.at_roots(
+            lambda root: subleg.at_root(g.subleg, root, arguments.leg("theta")), octic, 1e-14, 1e-18, 1)
+        results = arguments.finish(
+            {
+                "s": s,
+                "volume": volume,
+                "count": count,
+                "doubtful": doubtful,
+            },
+            (
+                rt.Guard(found[0], True, 1.0, Status.UNREACHABLE_LEG_1, True, ("s", "volume", )),
+            ),
+        )
+    answer = SublegForwardAll(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 
@@ -1468,6 +1537,9 @@ def forward(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         redundant (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
     """
     if side is None:
         side = 1.0
@@ -1478,20 +1550,22 @@ def forward(
             lambda at: subleg.forward_step(g.subleg, arguments.leg("theta"), at), arguments.leg("s_near"),
             1e-20, 25)
         slide, distance, start = platform.tie(g.platform)
-        flatness, breadth, assembly_radicand, sign, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), rt.legs(distance), rt.legs(start), arguments.whole("side"))
         results = arguments.finish(
             {
                 "p": p,
                 "Q": Q,
                 "redundant": redundant,
+                "count": count,
+                "certified": certified,
             },
             (
-                rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", )),
-                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
-                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
-                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
-                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
+                rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "count", "certified", )),
             ),
         )
     answer = Forward(*results[:-1])

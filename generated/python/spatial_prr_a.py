@@ -31,6 +31,7 @@ __all__ = [
     "Status",
     "constraints",
     "end_points",
+    "forward",
     "forward_all",
     "inverse",
     "inverse_all",
@@ -64,6 +65,7 @@ DEFAULT_MODE = "elbow-"
 ASSEMBLIES: dict[str, tuple[int, ...]] = {
 }
 DEFAULT_ASSEMBLY = "only"
+DEFAULT_BOX = ((0.5235987755982988, 2.6179938779914944), (0.5235987755982988, 2.6179938779914944), (0.5235987755982988, 2.6179938779914944))
 ANGULAR = (False, True, True,)
 LINKS = (
     ("l_1", "fixed", "A", "c"),
@@ -499,6 +501,24 @@ SIGNATURES = {
         ),
         "(3,3),()->(6,3),(6,3,3),(6,3),(6),(),(),()",
     ),
+    "forward": rt.Signature(
+        "forward",
+        "The pose of the platform and the redundant coordinates from the actuated joints alone: the only solution with its redundant angles in the box, without a guess or an extra encoder.  That it is the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box within (30, 150) deg.",
+        "3.2.1",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("d", "theta_2", "theta_3", )),
+            rt.Port("box", (3, 2), "rad", "joint", "the least and the largest redundant angle of the answer; an angle is given with the full turns that bring it there", "stacked", ()),
+            rt.Port("turned", (), "1", "-", "+1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its legs, -1 for the one turned over", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
+        ),
+        "(3,3),(3,2),()->(3),(3,3),(3),(),(),()",
+    ),
 }
 
 
@@ -555,6 +575,16 @@ class ForwardAll(NamedTuple):
     det_J: Any
     count: Any
     doubtful: Any
+
+
+class Forward(NamedTuple):
+    """Results of `forward`."""
+
+    p: Any
+    Q: Any
+    redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -1362,4 +1392,66 @@ def forward_all(
             ),
         )
     answer = ForwardAll(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward(
+    theta: Any, box: Any = None, turned: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose of the platform and the redundant coordinates from the actuated joints alone: the only
+    solution with its redundant angles in the box, without a guess or an extra encoder.  That it is
+    the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box
+    within (30, 150) deg.
+
+    Thesis: 3.2.1.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [d, theta_2, theta_3]
+        box (..., 3, 2) [rad]: the least and the largest redundant angle of the answer; an angle
+            is given with the full turns that bring it there, the default unless given
+        turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
+            its legs, -1 for the one turned over; +1 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
+    """
+    if box is None:
+        box = DEFAULT_BOX
+    if turned is None:
+        turned = 1.0
+    arguments = rt.Arguments(SIGNATURES["forward"], (theta, box, turned,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        s = subleg.forward(g.subleg, arguments.leg("theta"))
+        anchor, length = platform.tie(g.platform)
+        certificate = platform.uniqueness(rt.legs(anchor), rt.legs(length), arguments.whole("box"))
+        sign, flatness, points, axes, sextic = platform.sextic(
+            rt.legs(s), rt.legs(anchor), rt.legs(length), arguments.whole("turned"))
+        p, Q, redundant, _det_J, count, certified, inside, ambiguous = rt.only_root(
+            lambda root: platform.assembly(root, rt.legs(s), rt.legs(anchor), rt.legs(length), points, axes),
+            sextic, 1e-14, 1e-18, 2, arguments.whole("box"), certificate)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "redundant": redundant,
+                "count": count,
+                "certified": certified,
+            },
+            (
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+                rt.Guard(inside[0], True, 1.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+                rt.Guard(ambiguous[0], False, 0.0, Status.AMBIGUOUS, False, ("p", "Q", "redundant", ), ("count", "certified", )),
+            ),
+        )
+    answer = Forward(*results[:-1])
     return (answer, results[-1]) if status else answer

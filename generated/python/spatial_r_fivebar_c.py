@@ -48,6 +48,7 @@ __all__ = [
     "rotation_error",
     "singularity",
     "subleg_forward",
+    "subleg_forward_all",
     "subleg_inverse",
     "subleg_jacobian",
     "twist",
@@ -241,6 +242,18 @@ SIGNATURES = {
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
         ),
         "(3,3),(3,1)->(3,3),()",
+    ),
+    "subleg_forward_all": rt.Signature(
+        "subleg_forward_all",
+        "End points of the sub-legs in every assembly mode, from the actuated joints; NaN where the loop cannot close.",
+        "3.5",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("s", (3, 2, 3), "m", "base", "end point of the sub-leg in every assembly mode", "stacked", ("left", "right", )),
+        ),
+        "(3,3)->(3,2,3),()",
     ),
     "subleg_inverse": rt.Signature(
         "subleg_inverse",
@@ -537,8 +550,10 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_r, from O', signed", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
         ),
-        "(3,3),(3,1),()->(3),(3,3),(3),()",
+        "(3,3),(3,1),()->(3),(3,3),(3),(),(),()",
     ),
 }
 
@@ -604,6 +619,8 @@ class Forward(NamedTuple):
     p: Any
     Q: Any
     redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -716,6 +733,37 @@ def subleg_forward(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s, radicand = subleg.forward(g.subleg, arguments.leg("theta"), arguments.leg("assembly"))
+        results = arguments.finish(
+            {
+                "s": s,
+            },
+            (
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("s", )),
+            ),
+        )
+    answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def subleg_forward_all(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """End points of the sub-legs in every assembly mode, from the actuated joints; NaN where the loop
+    cannot close.
+
+    Thesis: 3.5.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        s (..., 3, 2, 3) [m] in the base frame: end point of the sub-leg in every assembly mode
+            [left, right]
+    """
+    arguments = rt.Arguments(SIGNATURES["subleg_forward_all"], (theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        s, radicand = subleg.forward_all(g.subleg, arguments.leg("theta"))
         results = arguments.finish(
             {
                 "s": s,
@@ -1456,6 +1504,9 @@ def forward(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         redundant (..., 3) [m]: slide d_i of S_i along t_i = e_r, from O', signed
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
     """
     if assembly is None:
         assembly = (ASSEMBLIES[DEFAULT_ASSEMBLY],) * 3
@@ -1466,20 +1517,22 @@ def forward(
     with rt.quiet():
         s, radicand = subleg.forward(g.subleg, arguments.leg("theta"), arguments.leg("assembly"))
         slide = platform.tie(g.platform)
-        flatness, breadth, assembly_radicand, sign, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), arguments.whole("side"))
         results = arguments.finish(
             {
                 "p": p,
                 "Q": Q,
                 "redundant": redundant,
+                "count": count,
+                "certified": certified,
             },
             (
-                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("p", "Q", "redundant", )),
-                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
-                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
-                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
-                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
+                rt.Guard(radicand[0], True, 0.0, Status.UNREACHABLE_LEG_1, True, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "count", "certified", )),
             ),
         )
     answer = Forward(*results[:-1])

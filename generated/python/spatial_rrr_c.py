@@ -507,8 +507,10 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_r, from O', signed", "shared", ()),
+            rt.Port("count", (), "1", "-", "number of solutions", "shared", ()),
+            rt.Port("certified", (), "1", "-", "1 where a theorem says that there is no other answer, 0 where it is the only one of `count`", "shared", ()),
         ),
-        "(3,3),()->(3),(3,3),(3),()",
+        "(3,3),()->(3),(3,3),(3),(),(),()",
     ),
 }
 
@@ -573,6 +575,8 @@ class Forward(NamedTuple):
     p: Any
     Q: Any
     redundant: Any
+    count: Any
+    certified: Any
 
 
 @lru_cache(maxsize=64)
@@ -1397,6 +1401,9 @@ def forward(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         redundant (..., 3) [m]: slide d_i of S_i along t_i = e_r, from O', signed
+        count (...): number of solutions
+        certified (...): 1 where a theorem says that there is no other answer, 0 where it is the
+            only one of `count`
     """
     if side is None:
         side = 1.0
@@ -1405,19 +1412,21 @@ def forward(
     with rt.quiet():
         s = subleg.forward(g.subleg, arguments.leg("theta"))
         slide = platform.tie(g.platform)
-        flatness, breadth, assembly_radicand, sign, p, Q, redundant = platform.assembly_mode(
+        flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified = platform.assembly_mode(
             rt.legs(s), rt.legs(slide), arguments.whole("side"))
         results = arguments.finish(
             {
                 "p": p,
                 "Q": Q,
                 "redundant": redundant,
+                "count": count,
+                "certified": certified,
             },
             (
-                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
-                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", )),
-                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", )),
-                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", )),
+                rt.Guard(sign[0], True, 0.5, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(breadth[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "redundant", "count", "certified", )),
+                rt.Guard(assembly_radicand[0], True, 0.0, Status.NO_ASSEMBLY, False, ("p", "Q", "redundant", "count", "certified", )),
             ),
         )
     answer = Forward(*results[:-1])

@@ -228,6 +228,68 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     )
 
 
+def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the
+    normal; NaN where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square
+    root, 3 sine cosine)"""
+    theta_0, theta_1, theta_2 = theta
+    cos_1 = np.cos(theta_0)
+    sin_1 = np.sin(theta_0)
+    cos_2 = np.cos(theta_1)
+    sin_2 = np.sin(theta_1)
+    cos_3 = np.cos(theta_2)
+    sin_3 = np.sin(theta_2)
+    t1 = g.L * cos_1
+    k_1_0 = g.g[0] + g.x[0] * t1  # end of arm 1
+    k_1_1 = g.g[1] + g.x[1] * t1
+    k_1_2 = g.g[2] + g.L * sin_1
+    t2 = g.L * cos_2
+    k_2_0 = g.g[3] + g.x[3] * t2  # end of arm 2
+    k_2_1 = g.g[4] + g.x[4] * t2
+    k_2_2 = g.g[5] + g.L * sin_2
+    t3 = g.L * cos_3
+    k_3_0 = g.g[6] + g.x[6] * t3  # end of arm 3
+    k_3_1 = g.g[7] + g.x[7] * t3
+    k_3_2 = g.g[8] + g.L * sin_3
+    g_12_0 = k_2_0 - k_1_0
+    g_12_1 = k_2_1 - k_1_1
+    g_12_2 = k_2_2 - k_1_2
+    g_13_0 = k_3_0 - k_1_0
+    g_13_1 = k_3_1 - k_1_1
+    g_13_2 = k_3_2 - k_1_2
+    n_0 = g_12_1 * g_13_2 - g_12_2 * g_13_1  # normal of the plane of the centres
+    n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2
+    n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0
+    n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2
+    q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2)
+    q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2)
+    t4 = 1 / n2
+    foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4  # in the plane of the centres
+    foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0))
+    foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1))
+    h2 = t4 * (g.k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
+    height = np.sqrt(h2)
+    t5 = k_1_0 + foot_0
+    t6 = n_0 * height
+    t7 = k_1_1 + foot_1
+    t8 = n_1 * height
+    t9 = k_1_2 + foot_2
+    t10 = n_2 * height
+    return (
+        (  # s
+            t5 + t6,
+            t7 + t8,
+            t9 + t10,
+            t5 - t6,
+            t7 - t8,
+            t9 - t10,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 3

@@ -130,6 +130,50 @@ def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     )
 
 
+def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop
+    cannot close.  Thesis: 3.5.  (24 add, 14 multiply, 1 divide, 1 square root, 2 sine cosine)"""
+    theta_0, theta_1 = theta
+    u_1_0 = g.l_4 * np.cos(theta_0)  # crank u_1
+    u_1_1 = g.l_4 * np.sin(theta_0)
+    u_2_0 = g.l_2 * np.cos(theta_1)  # crank u_2
+    u_2_1 = g.l_2 * np.sin(theta_1)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    d2 = f_0 * f_0 + f_1 * f_1
+    t1 = 1 / d2
+    along = 0.5 * (d2 + g.k[0] - g.k[1]) * t1
+    h2 = g.k[0] * t1 - along * along
+    across = np.sqrt(h2)
+    t2 = f_0 * along
+    t3 = f_1 * across
+    meeting_0 = t2 - t3
+    t4 = f_0 * across
+    t5 = f_1 * along
+    meeting_1 = t4 + t5
+    w_0 = meeting_0 - f_0  # P - E
+    w_1 = meeting_1 - f_1
+    d_0 = u_1_0 + w_0
+    d_1 = u_1_1 + w_1
+    meeting_0_a = t2 + t3
+    meeting_1_a = t5 - t4
+    w_0_a = meeting_0_a - f_0  # P - E
+    w_1_a = meeting_1_a - f_1
+    d_0_a = u_1_0 + w_0_a
+    d_1_a = u_1_1 + w_1_a
+    return (
+        (  # s
+            g.o[0] + d_0,
+            g.o[1] + d_1,
+            g.o[0] + d_0_a,
+            g.o[1] + d_1_a,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root,

@@ -130,6 +130,44 @@ def forward_posture(g: Any, theta: Any, assembly: Any) -> tuple[Any, ...]:
     )
 
 
+def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
+    """End points of the (2-PRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot
+    close.  Thesis: 3.5.  (18 add, 14 multiply, 1 divide, 1 square root)"""
+    theta_0, theta_1 = theta
+    d_1_0 = g.o[0] + g.e_1[0] * theta_0  # first slider
+    d_1_1 = g.o[1] + g.e_1[1] * theta_0
+    line_0 = g.k[0] + g.e_2[0] * theta_1 - d_1_0  # from the first slider to the second
+    line_1 = g.k[1] + g.e_2[1] * theta_1 - d_1_1
+    d2 = line_0 * line_0 + line_1 * line_1
+    t1 = 1 / d2
+    along = 0.5 * (d2 + g.k[2] - g.k[3]) * t1
+    h2 = g.k[2] * t1 - along * along
+    across = np.sqrt(h2)
+    t2 = line_0 * along
+    t3 = line_1 * across
+    meeting_0 = t2 - t3
+    t4 = line_0 * across
+    t5 = line_1 * along
+    meeting_1 = t4 + t5
+    r_0 = d_1_0 + meeting_0
+    r_1 = d_1_1 + meeting_1
+    meeting_0_a = t2 + t3
+    meeting_1_a = t5 - t4
+    r_0_a = d_1_0 + meeting_0_a
+    r_1_a = d_1_1 + meeting_1_a
+    return (
+        (  # s
+            r_0,
+            r_1,
+            r_0_a,
+            r_1_a,
+        ),
+        (  # radicand
+            h2,
+        ),
+    )
+
+
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the (2-PRR) sub-leg in one working mode.  The mode is given by signs; NaN
     where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (12 add, 12 multiply, 2 square root,

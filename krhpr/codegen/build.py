@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from math import radians
 
 from krhpr.codegen.composition import RobotCode
-from krhpr.codegen.kernel import GeometryField
+from krhpr.codegen.kernel import LEGS, GeometryField
 from krhpr.codegen.passes import Part, optimise
 from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Mode, Sign, Space
+
+WORKING_BOX = (radians(30), radians(150))
+"""Where redundant angles are looked for: free of type II, with unique solutions (errata, 4)."""
 
 
 class Parts:
@@ -75,6 +79,7 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
         links=tuple((link.name, str(link.kind), link.start, link.end) for link in subleg.links),
         redundant_link=platform.redundant_link,
         home_p=entry.home.p,
+        default_box=() if platform.closed_forward else (WORKING_BOX,) * LEGS,
         home_redundant=entry.home.redundant,
         documentation={
             "geometry": tuple((field.name, field.doc) for field in _fields(entry)),

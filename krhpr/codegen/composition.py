@@ -92,8 +92,28 @@ class Repeat:
 
 
 @dataclass(frozen=True)
+class Only:
+    """Which of the solutions at roots is the answer: the only one with its angles in a box.
+
+    `box` is the variable with the least and the largest angle of each leg; an angle is found there with the
+    full turns that bring it in. `certificate` is the variable whose elements are all at least zero where a
+    theorem says that a box holds one solution; the function's output `certified` is then 1, and solutions
+    in doubt are known to lie elsewhere.
+    """
+
+    angles: str = "redundant"
+    box: str = "box"
+    certificate: str = "certificate"
+    certified: str = "certified"
+    inside: str = "inside"
+    """The variable that counts the solutions in the box, and 1 more where some are in doubt."""
+    ambiguous: str = "ambiguous"
+    """The variable that is not zero where they cannot be told apart."""
+
+
+@dataclass(frozen=True)
 class EachRoot:
-    """A kernel of the whole platform called at every real root of a polynomial: a procedure.
+    """A kernel, of a leg or of the whole platform, called at every real root of a polynomial: a procedure.
 
     `polynomial` is the variable with its coefficients, the constant one first; the kernel's input port
     `root` is a root as a point, and its output port `miss` at most `tolerance` where the root is a solution
@@ -113,6 +133,36 @@ class EachRoot:
     doubtful: str = "doubtful"
     found: str = "found"
     """The variable that is zero where there is no solution, and none in doubt."""
+    only: Only | None = None
+    """Whether one solution is the answer; then nothing is collected."""
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Outputs of the function that count solutions."""
+        return (self.count, self.doubtful) if self.only is None else (self.count, self.only.certified)
+
+    @property
+    def locals(self) -> tuple[tuple[str, str], ...]:
+        """Variables for guards, with their meanings."""
+        if self.only is None:
+            return ((self.found, "solutions, and 1 more where some are in doubt"),)
+        return (
+            (self.only.inside, "solutions in the box, and 1 more where some are in doubt"),
+            (self.only.ambiguous, "1 where solutions cannot be told apart"),
+        )
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Variables that it reads beside those of its kernel."""
+        return (
+            (self.polynomial,)
+            if self.only is None
+            else (
+                self.polynomial,
+                self.only.box,
+                self.only.certificate,
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -133,8 +183,8 @@ class Call:
     each: EachRoot | None = None
 
     def __post_init__(self) -> None:
-        if self.each is not None and self.stage is not Stage.PLATFORM:
-            raise ValueError(f"{self.part}.{self.kernel}: only kernels of the platform are called at roots")
+        if self.each is not None and self.stage is Stage.SHARED:
+            raise ValueError(f"{self.part}.{self.kernel}: shared kernels are not called at roots")
         if self.repeat is not None and self.stage is not Stage.LEG:
             raise ValueError(f"{self.part}.{self.kernel}: only kernels of a leg are repeated")
 
@@ -149,8 +199,10 @@ class Call:
         return self.outputs.get(port, port)
 
 
-OPTIONAL_INPUTS = ("mode", "assembly", "swivel")
-"""Inputs that have a default: the working mode, the assembly mode, and a swivel of zero."""
+OPTIONAL_INPUTS = ("mode", "assembly", "swivel", "box")
+"""Inputs that have a default: the working mode, the assembly mode, a swivel of zero, and the box of redundant
+coordinates.
+"""
 
 SIGNS = ("side", "turned")
 """Inputs that are +1 or -1, and +1 where a language has defaults."""
@@ -216,7 +268,7 @@ class RobotFunction:
         for call in self.calls:
             found |= {call.variable_in(port.name) for port in parts[call.part].kernel(call.kernel).inputs}
             if call.each is not None:
-                found.add(call.each.polynomial)
+                found |= set(call.each.reads)
         return found | ({guard.variable for guard in self.guards} if guards else set())
 
     def uses_geometry(self, parts: Mapping[str, Part]) -> bool:
@@ -269,12 +321,11 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
             kind = "output" if name in outputs else "local"
             found[name] = Variable(name, outputs.get(name, port), call.stage is Stage.LEG, kind)
         if call.each is not None:
-            for name in (call.each.count, call.each.doubtful):
-                found[name] = Variable(name, outputs[name], False, "output")
-            number = Port(
-                call.each.found, (1,), Unit.NONE, Frame.NONE, "solutions, and 1 more where some are in doubt"
-            )
-            found[number.name] = Variable(number.name, number, False, "local")
+            for name in call.each.numbers:
+                found[name] = Variable(name, outputs[name], call.stage is Stage.LEG, "output")
+            for name, doc in call.each.locals:
+                port = Port(name, (1,), Unit.NONE, Frame.NONE, doc)
+                found[name] = Variable(name, port, call.stage is Stage.LEG, "local")
     for name in outputs:
         if name not in found:
             raise ValueError(f"{function.name}: nothing computes the output {name!r}")
@@ -308,6 +359,8 @@ class RobotCode:
     home_p: tuple[float, ...]
     """Where the platform stands at home, parallel to the base."""
     home_redundant: tuple[float, float, float]
+    default_box: tuple[tuple[float, float], ...] = ()
+    """Where the redundant angles of the answer of `forward` lie, where it is looked for among several."""
     limits: Limits = field(default_factory=Limits)
     """Of joints and links, out of a robot file."""
     baked: bool = False
@@ -358,7 +411,7 @@ class RobotCode:
 def _times(call: Call) -> int:
     """How often a kernel is called, at most for roots."""
     if call.each is not None:
-        return call.each.degree
+        return call.each.degree * (LEGS if call.stage is Stage.LEG else 1)
     return LEGS if call.stage is Stage.LEG else 1
 
 

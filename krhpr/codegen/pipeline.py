@@ -79,6 +79,7 @@ def customised(derived: Derived, customs: Sequence[Custom | None]) -> Derived:
                 limits=custom.limits,
                 home_p=p,
                 home_redundant=redundant,
+                default_box=_box(robot, custom.limits),
                 baked=custom.baked,
                 of=robot.identifier,
             )
@@ -87,6 +88,14 @@ def customised(derived: Derived, customs: Sequence[Custom | None]) -> Derived:
         robots.append(own)
         seconds[own.identifier] = derived.seconds[robot.identifier]
     return Derived(tuple(robots), derived.parts, seconds)
+
+
+def _box(robot: RobotCode, limits: Limits) -> tuple[tuple[float, float], ...]:
+    """Where `forward` looks for redundant angles: within the limits of their joints, if there are any."""
+    joints = limits.passive.get("platform_joint")
+    if not robot.default_box or joints is None:
+        return robot.default_box
+    return tuple((joint.low, joint.high) for joint in joints)
 
 
 def print_all(derived: Derived, progress: Progress = lambda step: None) -> list[File]:

@@ -103,7 +103,7 @@ class Draw:
             return self.rotation(port.shape[0])
         if port.name in ("mode", "assembly"):
             return [Exact(self.sign()) for _ in range(size)]
-        if port.unit is Unit.RADIAN:
+        if port.unit is Unit.RADIAN and port.name != "box":  # which is compared, not turned by
             return [self.angle() for _ in range(size)]
         if port.unit is Unit.ACTUATOR:
             return [self.angle() if angular[i % len(angular)] else self.rational() for i in range(size)]

@@ -157,6 +157,9 @@ def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Value
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
         values["Q"] = rotations(axis * rng.uniform(0, radians(30), (count, 1)))
     values["redundant"] = redundant_box(subject, rng, count)
+    around = rng.uniform(0.05, 0.3, (count, LEGS, 2)) * np.array([-1.0, 1.0])
+    turns = 2 * np.pi * rng.integers(-1, 2, (count, LEGS, 1))
+    values["box"] = values["redundant"][:, :, None] + around + turns
     freedom = subject.platform.space.degrees_of_freedom
     for name, shape in (
         ("twist", (freedom,)),

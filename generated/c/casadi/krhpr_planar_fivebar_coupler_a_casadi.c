@@ -26,6 +26,7 @@
 #define krhpr_planar_fivebar_coupler_a_end_points plain_end_points
 #define krhpr_planar_fivebar_coupler_a_redundant_coordinates plain_redundant_coordinates
 #define krhpr_planar_fivebar_coupler_a_subleg_forward plain_subleg_forward
+#define krhpr_planar_fivebar_coupler_a_subleg_forward_all plain_subleg_forward_all
 #define krhpr_planar_fivebar_coupler_a_subleg_inverse plain_subleg_inverse
 #define krhpr_planar_fivebar_coupler_a_subleg_jacobian plain_subleg_jacobian
 #define krhpr_planar_fivebar_coupler_a_constraints plain_constraints
@@ -46,6 +47,7 @@
 #undef krhpr_planar_fivebar_coupler_a_end_points
 #undef krhpr_planar_fivebar_coupler_a_redundant_coordinates
 #undef krhpr_planar_fivebar_coupler_a_subleg_forward
+#undef krhpr_planar_fivebar_coupler_a_subleg_forward_all
 #undef krhpr_planar_fivebar_coupler_a_subleg_inverse
 #undef krhpr_planar_fivebar_coupler_a_subleg_jacobian
 #undef krhpr_planar_fivebar_coupler_a_constraints
@@ -98,10 +100,10 @@ static const casadi_int P4[3] = {3, 1, 1};
 static const casadi_int P5[4] = {3, 1, 0, 0};
 static const casadi_int P6[3] = {3, 2, 1};
 static const casadi_int P7[5] = {3, 2, 0, 0, 0};
-static const casadi_int P8[3] = {4, 2, 1};
-static const casadi_int P9[5] = {4, 2, 0, 0, 0};
-static const casadi_int P10[3] = {2, 2, 1};
-static const casadi_int P11[5] = {2, 2, 0, 0, 0};
+static const casadi_int P8[3] = {2, 2, 1};
+static const casadi_int P9[5] = {2, 2, 0, 0, 0};
+static const casadi_int P10[3] = {4, 2, 1};
+static const casadi_int P11[5] = {4, 2, 0, 0, 0};
 static const casadi_int P12[3] = {3, 3, 1};
 static const casadi_int P13[6] = {3, 3, 0, 0, 0, 0};
 static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
@@ -116,12 +118,12 @@ static const casadi_int P22[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
 static const casadi_int P23[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
 static const casadi_int P24[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
 static const casadi_int P25[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P26[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P27[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P28[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P29[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P30[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P31[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P26[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P27[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P28[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P29[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P30[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P31[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
 static const casadi_int P32[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
 static const casadi_int P33[3] = {9, 1, 1};
 static const casadi_int P34[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
@@ -278,6 +280,44 @@ static const krhpr_casadi_function function_subleg_forward = {
 KRHPR_CASADI_FUNCTION(NAME(subleg_forward), function_subleg_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward), function_subleg_forward)
 
+/* -- subleg_forward_all -- */
+
+static int value_subleg_forward_all(const double *x, double *y)
+{
+    return plain_subleg_forward_all(&geometry, x, y);
+}
+
+static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    krhpr_dual *const s = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_planar_fivebar_coupler_forward_all_tangent(
+            &geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+    }
+}
+
+static const krhpr_casadi_slot in_subleg_forward_all[] = {
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_subleg_forward_all[] = {
+    {"out_s1", 2, 2, 1, NULL, P8, P9},
+    {"out_s2", 2, 2, 1, NULL, P8, P9},
+    {"out_s3", 2, 2, 1, NULL, P8, P9},
+};
+static const casadi_int *const structure_subleg_forward_all[] = {
+    P26, P27, P28
+};
+static const char *const names_subleg_forward_all[] = {
+    "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
+};
+static const krhpr_casadi_function function_subleg_forward_all = {
+    1, in_subleg_forward_all, 3, out_subleg_forward_all, value_subleg_forward_all, tangent_subleg_forward_all, structure_subleg_forward_all, names_subleg_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(subleg_forward_all), function_subleg_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward_all), function_subleg_forward_all)
+
 /* -- subleg_inverse -- */
 
 static int value_subleg_inverse(const double *x, double *y)
@@ -299,12 +339,12 @@ static const krhpr_casadi_slot in_subleg_inverse[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 4, 2, 1, NULL, P8, P9},
-    {"out_theta2", 4, 2, 1, NULL, P8, P9},
-    {"out_theta3", 4, 2, 1, NULL, P8, P9},
+    {"out_theta1", 4, 2, 1, NULL, P10, P11},
+    {"out_theta2", 4, 2, 1, NULL, P10, P11},
+    {"out_theta3", 4, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P26, P27, P28
+    P29, P30, P31
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -342,12 +382,12 @@ static const krhpr_casadi_slot in_subleg_jacobian[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_jacobian[] = {
-    {"out_M1", 2, 2, 1, NULL, P10, P11},
-    {"out_M2", 2, 2, 1, NULL, P10, P11},
-    {"out_M3", 2, 2, 1, NULL, P10, P11},
+    {"out_M1", 2, 2, 1, NULL, P8, P9},
+    {"out_M2", 2, 2, 1, NULL, P8, P9},
+    {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P29, P29, P30, P30, P31, P31
+    P26, P26, P27, P27, P28, P28
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -491,7 +531,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P32, P33, P34, P35, P10, P0, P39, P39, P10, P0, P40, P40, P10, P0, P41, P41
+    P32, P33, P34, P35, P8, P0, P39, P39, P8, P0, P40, P40, P8, P0, P41, P41
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -577,9 +617,9 @@ static const krhpr_casadi_slot in_inverse_all[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 4, 2, 1, NULL, P8, P9},
-    {"out_theta2", 4, 2, 1, NULL, P8, P9},
-    {"out_theta3", 4, 2, 1, NULL, P8, P9},
+    {"out_theta1", 4, 2, 1, NULL, P10, P11},
+    {"out_theta2", 4, 2, 1, NULL, P10, P11},
+    {"out_theta3", 4, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
     P43, P44, P45, P43, P44, P46, P43, P44, P47

@@ -26,6 +26,7 @@
 #define krhpr_planar_prr2_b_end_points plain_end_points
 #define krhpr_planar_prr2_b_redundant_coordinates plain_redundant_coordinates
 #define krhpr_planar_prr2_b_subleg_forward plain_subleg_forward
+#define krhpr_planar_prr2_b_subleg_forward_all plain_subleg_forward_all
 #define krhpr_planar_prr2_b_subleg_inverse plain_subleg_inverse
 #define krhpr_planar_prr2_b_subleg_jacobian plain_subleg_jacobian
 #define krhpr_planar_prr2_b_constraints plain_constraints
@@ -48,6 +49,7 @@
 #undef krhpr_planar_prr2_b_end_points
 #undef krhpr_planar_prr2_b_redundant_coordinates
 #undef krhpr_planar_prr2_b_subleg_forward
+#undef krhpr_planar_prr2_b_subleg_forward_all
 #undef krhpr_planar_prr2_b_subleg_inverse
 #undef krhpr_planar_prr2_b_subleg_jacobian
 #undef krhpr_planar_prr2_b_constraints
@@ -102,10 +104,10 @@ static const casadi_int P4[3] = {3, 1, 1};
 static const casadi_int P5[4] = {3, 1, 0, 0};
 static const casadi_int P6[3] = {3, 2, 1};
 static const casadi_int P7[5] = {3, 2, 0, 0, 0};
-static const casadi_int P8[3] = {4, 2, 1};
-static const casadi_int P9[5] = {4, 2, 0, 0, 0};
-static const casadi_int P10[3] = {2, 2, 1};
-static const casadi_int P11[5] = {2, 2, 0, 0, 0};
+static const casadi_int P8[3] = {2, 2, 1};
+static const casadi_int P9[5] = {2, 2, 0, 0, 0};
+static const casadi_int P10[3] = {4, 2, 1};
+static const casadi_int P11[5] = {4, 2, 0, 0, 0};
 static const casadi_int P12[3] = {3, 3, 1};
 static const casadi_int P13[6] = {3, 3, 0, 0, 0, 0};
 static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
@@ -122,12 +124,12 @@ static const casadi_int P24[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
 static const casadi_int P25[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
 static const casadi_int P26[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
 static const casadi_int P27[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P28[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P29[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P30[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P31[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P32[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P33[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P28[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P29[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P30[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P31[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P32[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P33[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
 static const casadi_int P34[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
 static const casadi_int P35[3] = {9, 1, 1};
 static const casadi_int P36[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
@@ -290,6 +292,43 @@ static const krhpr_casadi_function function_subleg_forward = {
 KRHPR_CASADI_FUNCTION(NAME(subleg_forward), function_subleg_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward), function_subleg_forward)
 
+/* -- subleg_forward_all -- */
+
+static int value_subleg_forward_all(const double *x, double *y)
+{
+    return plain_subleg_forward_all(&geometry, x, y);
+}
+
+static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    krhpr_dual *const s = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_planar_prr2_forward_all_tangent(&geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+    }
+}
+
+static const krhpr_casadi_slot in_subleg_forward_all[] = {
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_subleg_forward_all[] = {
+    {"out_s1", 2, 2, 1, NULL, P8, P9},
+    {"out_s2", 2, 2, 1, NULL, P8, P9},
+    {"out_s3", 2, 2, 1, NULL, P8, P9},
+};
+static const casadi_int *const structure_subleg_forward_all[] = {
+    P28, P29, P30
+};
+static const char *const names_subleg_forward_all[] = {
+    "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
+};
+static const krhpr_casadi_function function_subleg_forward_all = {
+    1, in_subleg_forward_all, 3, out_subleg_forward_all, value_subleg_forward_all, tangent_subleg_forward_all, structure_subleg_forward_all, names_subleg_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(subleg_forward_all), function_subleg_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward_all), function_subleg_forward_all)
+
 /* -- subleg_inverse -- */
 
 static int value_subleg_inverse(const double *x, double *y)
@@ -310,12 +349,12 @@ static const krhpr_casadi_slot in_subleg_inverse[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 4, 2, 1, NULL, P8, P9},
-    {"out_theta2", 4, 2, 1, NULL, P8, P9},
-    {"out_theta3", 4, 2, 1, NULL, P8, P9},
+    {"out_theta1", 4, 2, 1, NULL, P10, P11},
+    {"out_theta2", 4, 2, 1, NULL, P10, P11},
+    {"out_theta3", 4, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P28, P29, P30
+    P31, P32, P33
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -351,12 +390,12 @@ static const krhpr_casadi_slot in_subleg_jacobian[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_jacobian[] = {
-    {"out_M1", 2, 2, 1, NULL, P10, P11},
-    {"out_M2", 2, 2, 1, NULL, P10, P11},
-    {"out_M3", 2, 2, 1, NULL, P10, P11},
+    {"out_M1", 2, 2, 1, NULL, P8, P9},
+    {"out_M2", 2, 2, 1, NULL, P8, P9},
+    {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P31, P31, P32, P32, P33, P33
+    P28, P28, P29, P29, P30, P30
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -496,7 +535,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P34, P35, P36, P37, P11, P0, P41, P41, P11, P0, P42, P42, P11, P0, P43, P43
+    P34, P35, P36, P37, P9, P0, P41, P41, P9, P0, P42, P42, P9, P0, P43, P43
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -581,9 +620,9 @@ static const krhpr_casadi_slot in_inverse_all[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 4, 2, 1, NULL, P8, P9},
-    {"out_theta2", 4, 2, 1, NULL, P8, P9},
-    {"out_theta3", 4, 2, 1, NULL, P8, P9},
+    {"out_theta1", 4, 2, 1, NULL, P10, P11},
+    {"out_theta2", 4, 2, 1, NULL, P10, P11},
+    {"out_theta3", 4, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
     P46, P47, P48, P46, P47, P49, P46, P47, P50
@@ -1109,7 +1148,7 @@ static const krhpr_casadi_slot in_forward_all[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_forward_all[] = {
-    {"out_p", 2, 2, 1, NULL, P10, P11},
+    {"out_p", 2, 2, 1, NULL, P8, P9},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P20, P21},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
@@ -1131,7 +1170,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 static int value_forward(const double *x, double *y)
 {
-    return plain_forward(&geometry, x, x + 6, x[9], y, y + 2, y + 3);
+    return plain_forward(&geometry, x, x + 6, x[9], y, y + 2, y + 3, y + 6, y + 7);
 }
 
 static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
@@ -1141,6 +1180,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const p = found;
     krhpr_dual *const phi = found + 2;
     krhpr_dual *const redundant = found + 3;
+    krhpr_dual *const count = found + 6;
+    krhpr_dual *const certified = found + 7;
     krhpr_dual s[6];
     krhpr_dual slide[6];
     krhpr_dual distance[3];
@@ -1157,7 +1198,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_assembly_mode_tangent(
-        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, phi, redundant);
+        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, phi, redundant, count,
+        certified);
 }
 
 static const krhpr_casadi_slot in_forward[] = {
@@ -1169,16 +1211,19 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+    {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P72, P21, P0, P68, P74, P2, P51, P13, P4
+    P72, P21, P0, P68, P74, P2, P51, P13, P4, P69, P74, P3, P69, P74, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
-    "jac_redundant_theta", "jac_redundant_assembly", "jac_redundant_side"
+    "jac_redundant_theta", "jac_redundant_assembly", "jac_redundant_side", "jac_count_theta", "jac_count_assembly",
+    "jac_count_side", "jac_certified_theta", "jac_certified_assembly", "jac_certified_side"
 };
 static const krhpr_casadi_function function_forward = {
-    3, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+    3, in_forward, 5, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

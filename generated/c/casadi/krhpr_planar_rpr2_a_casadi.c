@@ -26,6 +26,7 @@
 #define krhpr_planar_rpr2_a_end_points plain_end_points
 #define krhpr_planar_rpr2_a_redundant_coordinates plain_redundant_coordinates
 #define krhpr_planar_rpr2_a_subleg_forward plain_subleg_forward
+#define krhpr_planar_rpr2_a_subleg_forward_all plain_subleg_forward_all
 #define krhpr_planar_rpr2_a_subleg_inverse plain_subleg_inverse
 #define krhpr_planar_rpr2_a_subleg_jacobian plain_subleg_jacobian
 #define krhpr_planar_rpr2_a_constraints plain_constraints
@@ -46,6 +47,7 @@
 #undef krhpr_planar_rpr2_a_end_points
 #undef krhpr_planar_rpr2_a_redundant_coordinates
 #undef krhpr_planar_rpr2_a_subleg_forward
+#undef krhpr_planar_rpr2_a_subleg_forward_all
 #undef krhpr_planar_rpr2_a_subleg_inverse
 #undef krhpr_planar_rpr2_a_subleg_jacobian
 #undef krhpr_planar_rpr2_a_constraints
@@ -98,10 +100,10 @@ static const casadi_int P4[3] = {3, 1, 1};
 static const casadi_int P5[4] = {3, 1, 0, 0};
 static const casadi_int P6[3] = {3, 2, 1};
 static const casadi_int P7[5] = {3, 2, 0, 0, 0};
-static const casadi_int P8[3] = {1, 2, 1};
-static const casadi_int P9[5] = {1, 2, 0, 0, 0};
-static const casadi_int P10[3] = {2, 2, 1};
-static const casadi_int P11[5] = {2, 2, 0, 0, 0};
+static const casadi_int P8[3] = {2, 2, 1};
+static const casadi_int P9[5] = {2, 2, 0, 0, 0};
+static const casadi_int P10[3] = {1, 2, 1};
+static const casadi_int P11[5] = {1, 2, 0, 0, 0};
 static const casadi_int P12[3] = {3, 3, 1};
 static const casadi_int P13[6] = {3, 3, 0, 0, 0, 0};
 static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
@@ -112,14 +114,14 @@ static const casadi_int P18[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
 static const casadi_int P19[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
 static const casadi_int P20[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
 static const casadi_int P21[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P22[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P23[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P24[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P25[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P26[13] = {4, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 2, 3};
-static const casadi_int P27[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P28[13] = {4, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 2, 3};
-static const casadi_int P29[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P22[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P23[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P24[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P25[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P26[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P27[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P28[13] = {4, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 2, 3};
+static const casadi_int P29[13] = {4, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 2, 3};
 static const casadi_int P30[13] = {4, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 2, 3};
 static const casadi_int P31[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
 static const casadi_int P32[3] = {9, 1, 1};
@@ -274,6 +276,43 @@ static const krhpr_casadi_function function_subleg_forward = {
 KRHPR_CASADI_FUNCTION(NAME(subleg_forward), function_subleg_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward), function_subleg_forward)
 
+/* -- subleg_forward_all -- */
+
+static int value_subleg_forward_all(const double *x, double *y)
+{
+    return plain_subleg_forward_all(&geometry, x, y);
+}
+
+static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    krhpr_dual *const s = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_planar_rpr2_forward_all_tangent(&geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+    }
+}
+
+static const krhpr_casadi_slot in_subleg_forward_all[] = {
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_subleg_forward_all[] = {
+    {"out_s1", 2, 2, 1, NULL, P8, P9},
+    {"out_s2", 2, 2, 1, NULL, P8, P9},
+    {"out_s3", 2, 2, 1, NULL, P8, P9},
+};
+static const casadi_int *const structure_subleg_forward_all[] = {
+    P22, P23, P24
+};
+static const char *const names_subleg_forward_all[] = {
+    "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
+};
+static const krhpr_casadi_function function_subleg_forward_all = {
+    1, in_subleg_forward_all, 3, out_subleg_forward_all, value_subleg_forward_all, tangent_subleg_forward_all, structure_subleg_forward_all, names_subleg_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(subleg_forward_all), function_subleg_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward_all), function_subleg_forward_all)
+
 /* -- subleg_inverse -- */
 
 static int value_subleg_inverse(const double *x, double *y)
@@ -295,12 +334,12 @@ static const krhpr_casadi_slot in_subleg_inverse[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 1, 2, 1, NULL, P8, P9},
-    {"out_theta2", 1, 2, 1, NULL, P8, P9},
-    {"out_theta3", 1, 2, 1, NULL, P8, P9},
+    {"out_theta1", 1, 2, 1, NULL, P10, P11},
+    {"out_theta2", 1, 2, 1, NULL, P10, P11},
+    {"out_theta3", 1, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P22, P23, P24
+    P25, P26, P27
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -336,12 +375,12 @@ static const krhpr_casadi_slot in_subleg_jacobian[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_subleg_jacobian[] = {
-    {"out_M1", 2, 2, 1, NULL, P10, P11},
-    {"out_M2", 2, 2, 1, NULL, P10, P11},
-    {"out_M3", 2, 2, 1, NULL, P10, P11},
+    {"out_M1", 2, 2, 1, NULL, P8, P9},
+    {"out_M2", 2, 2, 1, NULL, P8, P9},
+    {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P25, P26, P27, P28, P29, P30
+    P22, P28, P23, P29, P24, P30
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -476,12 +515,12 @@ static const krhpr_casadi_slot in_jacobian_blocks[] = {
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_J", 3, 3, 1, NULL, P12, P13},
-    {"out_K1", 1, 2, 1, NULL, P8, P9},
-    {"out_K2", 1, 2, 1, NULL, P8, P9},
-    {"out_K3", 1, 2, 1, NULL, P8, P9},
+    {"out_K1", 1, 2, 1, NULL, P10, P11},
+    {"out_K2", 1, 2, 1, NULL, P10, P11},
+    {"out_K3", 1, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P31, P32, P33, P34, P10, P0, P22, P39, P10, P0, P23, P40, P10, P0, P24, P41
+    P31, P32, P33, P34, P8, P0, P25, P39, P8, P0, P26, P40, P8, P0, P27, P41
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -565,12 +604,12 @@ static const krhpr_casadi_slot in_inverse_all[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 1, 2, 1, NULL, P8, P9},
-    {"out_theta2", 1, 2, 1, NULL, P8, P9},
-    {"out_theta3", 1, 2, 1, NULL, P8, P9},
+    {"out_theta1", 1, 2, 1, NULL, P10, P11},
+    {"out_theta2", 1, 2, 1, NULL, P10, P11},
+    {"out_theta3", 1, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P10, P0, P43, P10, P0, P44, P10, P0, P45
+    P8, P0, P43, P8, P0, P44, P8, P0, P45
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -1004,7 +1043,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P19, P19, P49, P50, P58, P59, P8, P2, P60, P61, P8, P2, P60, P61
+    P7, P5, P19, P19, P49, P50, P58, P59, P10, P2, P60, P61, P10, P2, P60, P61
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",

@@ -1124,7 +1124,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 static int value_forward(const double *x, double *y)
 {
-    return plain_forward(&geometry, x, x[6], y, y + 2, y + 3);
+    return plain_forward(&geometry, x, x[6], y, y + 2, y + 3, y + 6, y + 7);
 }
 
 static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
@@ -1134,6 +1134,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const p = found;
     krhpr_dual *const phi = found + 2;
     krhpr_dual *const redundant = found + 3;
+    krhpr_dual *const count = found + 6;
+    krhpr_dual *const certified = found + 7;
     krhpr_dual s[6];
     krhpr_dual slide[6];
     krhpr_dual distance[3];
@@ -1146,7 +1148,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_assembly_mode_tangent(
-        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, phi, redundant);
+        s, slide, distance, start, side, breadth, assembly_radicand, sign, p, phi, redundant, count,
+        certified);
 }
 
 static const krhpr_casadi_slot in_forward[] = {
@@ -1157,15 +1160,18 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+    {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P72, P0, P68, P2, P53, P4
+    P72, P0, P68, P2, P53, P4, P69, P3, P69, P3
 };
 static const char *const names_forward[] = {
-    "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side"
+    "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
+    "jac_count_theta", "jac_count_side", "jac_certified_theta", "jac_certified_side"
 };
 static const krhpr_casadi_function function_forward = {
-    2, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+    2, in_forward, 5, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

@@ -1071,4 +1071,90 @@ static inline void krhpr_platform_planar_a_assembly_tangent(
     }
 }
 
+/* `uniqueness` with the derivatives of its outputs along directions of its inputs.  Thesis: errata 4,
+ * (1.35).  (73 add, 70 multiply, 3 divide) */
+static inline void krhpr_platform_planar_a_uniqueness_tangent(
+    const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *box,
+    krhpr_dual *KRHPR_RESTRICT certificate)
+{
+    const double R_1 = anchor[0].v * anchor[0].v + anchor[1].v * anchor[1].v;
+    const double R_2 = anchor[2].v * anchor[2].v + anchor[3].v * anchor[3].v;
+    const double R_3 = anchor[4].v * anchor[4].v + anchor[5].v * anchor[5].v;
+    const double h1 = anchor[2].v - anchor[0].v;
+    const double h2 = anchor[3].v - anchor[1].v;
+    const double side_1 = h1 * h1 + h2 * h2;
+    const double h3 = anchor[4].v - anchor[2].v;
+    const double h4 = anchor[5].v - anchor[3].v;
+    const double side_2 = h3 * h3 + h4 * h4;
+    const double h5 = anchor[0].v - anchor[4].v;
+    const double h6 = anchor[1].v - anchor[5].v;
+    const double side_3 = h5 * h5 + h6 * h6;
+    const double h7 = 1.0 / R_1;
+    const double h8 = R_2 * h7 - 1.0;
+    const double h9 = R_3 * h7 - 1.0;
+    const double h10 = 1.0 / side_1;
+    const double h11 = side_2 * h10 - 1.0;
+    const double h12 = side_3 * h10 - 1.0;
+    const double h13 = 1.0 / length[0].v;
+    const double h14 = length[1].v * h13 - 1.0;
+    const double h15 = length[2].v * h13 - 1.0;
+    certificate[0].v = (1.0 / 1000000000000000000.0) - h8 * h8;
+    certificate[1].v = (1.0 / 1000000000000000000.0) - h9 * h9;
+    certificate[2].v = (1.0 / 1000000000000000000.0) - h11 * h11;
+    certificate[3].v = (1.0 / 1000000000000000000.0) - h12 * h12;
+    certificate[4].v = (1.0 / 1000000000000000000.0) - h14 * h14;
+    certificate[5].v = (1.0 / 1000000000000000000.0) - h15 * h15;
+    certificate[6].v = h1 * h4 - h2 * h3;
+    certificate[7].v = R_1 * (8999999991.0 / 16000000000.0) - length[0].v * length[0].v;
+    certificate[8].v = box[0].v - (1308996938995747.0 / 2500000000000000.0);
+    certificate[9].v = (409061543436171.0 / 156250000000000.0) - box[1].v;
+    certificate[10].v = box[2].v - (1308996938995747.0 / 2500000000000000.0);
+    certificate[11].v = (409061543436171.0 / 156250000000000.0) - box[3].v;
+    certificate[12].v = box[4].v - (1308996938995747.0 / 2500000000000000.0);
+    certificate[13].v = (409061543436171.0 / 156250000000000.0) - box[5].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = anchor[0].v * anchor[0].t[k];
+        const double t2 = anchor[1].v * anchor[1].t[k];
+        const double t3 = t1 + t1 + (t2 + t2);
+        const double t4 = anchor[2].v * anchor[2].t[k];
+        const double t5 = anchor[3].v * anchor[3].t[k];
+        const double t6 = anchor[4].v * anchor[4].t[k];
+        const double t7 = anchor[5].v * anchor[5].t[k];
+        const double t8 = anchor[2].t[k] - anchor[0].t[k];
+        const double t9 = h1 * t8;
+        const double t10 = anchor[3].t[k] - anchor[1].t[k];
+        const double t11 = h2 * t10;
+        const double t12 = anchor[4].t[k] - anchor[2].t[k];
+        const double t13 = h3 * t12;
+        const double t14 = anchor[5].t[k] - anchor[3].t[k];
+        const double t15 = h4 * t14;
+        const double t16 = h5 * (anchor[0].t[k] - anchor[4].t[k]);
+        const double t17 = h6 * (anchor[1].t[k] - anchor[5].t[k]);
+        const double t18 = h7 * (h7 * t3);
+        const double t19 = h8 * (h7 * (t4 + t4 + (t5 + t5)) - R_2 * t18);
+        const double t20 = h9 * (h7 * (t6 + t6 + (t7 + t7)) - R_3 * t18);
+        const double t21 = h10 * (h10 * (t9 + t9 + (t11 + t11)));
+        const double t22 = h11 * (h10 * (t13 + t13 + (t15 + t15)) - side_2 * t21);
+        const double t23 = h12 * (h10 * (t16 + t16 + (t17 + t17)) - side_3 * t21);
+        const double t24 = h13 * (h13 * length[0].t[k]);
+        const double t25 = h14 * (h13 * length[1].t[k] - length[1].v * t24);
+        const double t26 = h15 * (h13 * length[2].t[k] - length[2].v * t24);
+        const double t27 = length[0].v * length[0].t[k];
+        certificate[0].t[k] = -(t19 + t19);
+        certificate[1].t[k] = -(t20 + t20);
+        certificate[2].t[k] = -(t22 + t22);
+        certificate[3].t[k] = -(t23 + t23);
+        certificate[4].t[k] = -(t25 + t25);
+        certificate[5].t[k] = -(t26 + t26);
+        certificate[6].t[k] = h4 * t8 + h1 * t14 - (h3 * t10 + h2 * t12);
+        certificate[7].t[k] = (8999999991.0 / 16000000000.0) * t3 - (t27 + t27);
+        certificate[8].t[k] = box[0].t[k];
+        certificate[9].t[k] = -box[1].t[k];
+        certificate[10].t[k] = box[2].t[k];
+        certificate[11].t[k] = -box[3].t[k];
+        certificate[12].t[k] = box[4].t[k];
+        certificate[13].t[k] = -box[5].t[k];
+    }
+}
+
 #endif

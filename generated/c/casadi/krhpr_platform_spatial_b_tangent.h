@@ -1033,7 +1033,8 @@ static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *distance, const krhpr_dual *start,
     const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p,
-    krhpr_dual *KRHPR_RESTRICT Q, krhpr_dual *KRHPR_RESTRICT redundant)
+    krhpr_dual *KRHPR_RESTRICT Q, krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT count,
+    krhpr_dual *KRHPR_RESTRICT certified)
 {
     const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
     const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
@@ -1147,6 +1148,8 @@ static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
     redundant[0].v = -(start[0].v + (slide[0].v * o_0 + slide[1].v * o_1));
     redundant[1].v = slide[2].v * S_2_0 + slide[3].v * S_2_1 - start[1].v;
     redundant[2].v = slide[4].v * S_3_0 + slide[5].v * S_3_1 - start[2].v;
+    count[0].v = 2.0;
+    certified[0].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t4 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
         const double t5 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
@@ -1259,6 +1262,8 @@ static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
         redundant[0].t[k] = -(start[0].t[k] + t93);
         redundant[1].t[k] = t94 - start[1].t[k];
         redundant[2].t[k] = t95 - start[2].t[k];
+        count[0].t[k] = 0.0;
+        certified[0].t[k] = 0.0;
     }
 }
 

@@ -1005,7 +1005,8 @@ static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p,
-    krhpr_dual *KRHPR_RESTRICT Q, krhpr_dual *KRHPR_RESTRICT redundant)
+    krhpr_dual *KRHPR_RESTRICT Q, krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT count,
+    krhpr_dual *KRHPR_RESTRICT certified)
 {
     const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
     const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
@@ -1111,6 +1112,8 @@ static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
     redundant[0].v = -(slide[0].v * o_0 + slide[1].v * o_1);
     redundant[1].v = slide[2].v * S_2_0 - slide[3].v * h35;
     redundant[2].v = slide[4].v * S_3_0 + slide[5].v * S_3_1;
+    count[0].v = 2.0;
+    certified[0].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
         const double t4 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
@@ -1213,6 +1216,8 @@ static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
         redundant[0].t[k] = -t82;
         redundant[1].t[k] = t83;
         redundant[2].t[k] = t84;
+        count[0].t[k] = 0.0;
+        certified[0].t[k] = 0.0;
     }
 }
 

@@ -27,6 +27,7 @@
 #define krhpr_spatial_p_fivebar_a_end_points plain_end_points
 #define krhpr_spatial_p_fivebar_a_redundant_coordinates plain_redundant_coordinates
 #define krhpr_spatial_p_fivebar_a_subleg_forward plain_subleg_forward
+#define krhpr_spatial_p_fivebar_a_subleg_forward_all plain_subleg_forward_all
 #define krhpr_spatial_p_fivebar_a_subleg_inverse plain_subleg_inverse
 #define krhpr_spatial_p_fivebar_a_subleg_jacobian plain_subleg_jacobian
 #define krhpr_spatial_p_fivebar_a_constraints plain_constraints
@@ -48,6 +49,7 @@
 #undef krhpr_spatial_p_fivebar_a_end_points
 #undef krhpr_spatial_p_fivebar_a_redundant_coordinates
 #undef krhpr_spatial_p_fivebar_a_subleg_forward
+#undef krhpr_spatial_p_fivebar_a_subleg_forward_all
 #undef krhpr_spatial_p_fivebar_a_subleg_inverse
 #undef krhpr_spatial_p_fivebar_a_subleg_jacobian
 #undef krhpr_spatial_p_fivebar_a_constraints
@@ -98,17 +100,17 @@ static const casadi_int P2[3] = {1, 1, 1};
 static const casadi_int P3[4] = {1, 1, 0, 0};
 static const casadi_int P4[3] = {3, 1, 1};
 static const casadi_int P5[4] = {3, 1, 0, 0};
-static const casadi_int P6[3] = {4, 3, 1};
-static const casadi_int P7[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P8[3] = {6, 1, 1};
-static const casadi_int P9[4] = {6, 1, 0, 0};
-static const casadi_int P10[3] = {6, 6, 1};
-static const casadi_int P11[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
+static const casadi_int P6[3] = {2, 3, 1};
+static const casadi_int P7[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P8[3] = {4, 3, 1};
+static const casadi_int P9[6] = {4, 3, 0, 0, 0, 0};
+static const casadi_int P10[3] = {6, 1, 1};
+static const casadi_int P11[4] = {6, 1, 0, 0};
+static const casadi_int P12[3] = {6, 6, 1};
+static const casadi_int P13[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P14[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
-static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P14[3] = {2, 3, 1};
-static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P15[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P16[3] = {3, 2, 1};
 static const casadi_int P17[5] = {3, 2, 0, 0, 0};
 static const casadi_int P18[3] = {7, 3, 1};
@@ -125,117 +127,123 @@ static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 
 static const casadi_int P27[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
     5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
 static const casadi_int P28[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P29[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P29[28] = {6, 9, 0, 4, 4, 4, 10, 10, 10, 16, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+    3, 4, 5};
+static const casadi_int P30[28] = {6, 9, 0, 0, 4, 4, 4, 10, 10, 10, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+    3, 4, 5};
+static const casadi_int P31[28] = {6, 9, 0, 0, 0, 4, 4, 4, 10, 10, 10, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3,
+    4, 5};
+static const casadi_int P32[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P30[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P33[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P31[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P34[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P32[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P35[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P33[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P34[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P36[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P37[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P35[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P38[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P39[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P37[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[3] = {6, 3, 1};
-static const casadi_int P39[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P40[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P41[3] = {6, 3, 1};
+static const casadi_int P42[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P40[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P43[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P41[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P44[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P42[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P45[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P43[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P46[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P44[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P45[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P47[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P48[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52};
-static const casadi_int P46[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P49[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 6, 12, 26, 32, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 7, 13, 27, 33,
     47, 53};
-static const casadi_int P47[54] = {54, 9, 0, 5, 10, 15, 20, 25, 30, 34, 38, 42, 0, 6, 7, 12, 13, 20, 26, 27, 32, 33,
+static const casadi_int P50[54] = {54, 9, 0, 5, 10, 15, 20, 25, 30, 34, 38, 42, 0, 6, 7, 12, 13, 20, 26, 27, 32, 33,
     40, 46, 47, 52, 53, 0, 6, 7, 12, 13, 20, 26, 27, 32, 33, 40, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53};
-static const casadi_int P48[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P51[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P49[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 2, 4};
-static const casadi_int P50[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
+static const casadi_int P52[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 2, 4};
+static const casadi_int P53[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
     4, 2, 4, 1, 3, 5, 1, 3, 5, 3, 5};
-static const casadi_int P51[26] = {6, 9, 0, 5, 5, 5, 10, 10, 10, 14, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P54[26] = {6, 9, 0, 5, 5, 5, 10, 10, 10, 14, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P52[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P53[26] = {6, 9, 0, 0, 5, 5, 5, 10, 10, 10, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P55[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P56[26] = {6, 9, 0, 0, 5, 5, 5, 10, 10, 10, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P54[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P55[26] = {6, 9, 0, 0, 0, 5, 5, 5, 10, 10, 10, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P57[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P58[26] = {6, 9, 0, 0, 0, 5, 5, 5, 10, 10, 10, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P56[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P57[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P59[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P60[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P58[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P61[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P59[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P60[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P62[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P63[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P61[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P64[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P62[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P63[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P64[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P65[3] = {6, 9, 1};
-static const casadi_int P66[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P65[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P66[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P67[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P68[3] = {6, 9, 1};
+static const casadi_int P69[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P67[3] = {9, 3, 1};
-static const casadi_int P68[3] = {9, 9, 1};
-static const casadi_int P69[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P70[3] = {9, 3, 1};
+static const casadi_int P71[3] = {9, 9, 1};
+static const casadi_int P72[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P70[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
-static const casadi_int P71[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P73[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
+static const casadi_int P74[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P72[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
+static const casadi_int P75[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
     7, 2, 5, 8};
-static const casadi_int P73[3] = {9, 6, 1};
-static const casadi_int P74[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P75[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+static const casadi_int P76[3] = {9, 6, 1};
+static const casadi_int P77[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
     8};
-static const casadi_int P76[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P77[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P79[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P80[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P78[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P81[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P79[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P80[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P82[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P83[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P81[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P82[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P84[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P85[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P83[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P84[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[6] = {21, 3, 0, 0, 0, 0};
-static const casadi_int P86[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P86[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P87[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[6] = {21, 3, 0, 0, 0, 0};
+static const casadi_int P89[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P88[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P89[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P91[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P92[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P90[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P91[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
+static const casadi_int P93[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P94[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
     18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P92[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P93[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P94[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P95[3] = {2, 9, 1};
-static const casadi_int P96[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P96[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P97[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P98[3] = {2, 9, 1};
+static const casadi_int P99[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -370,6 +378,43 @@ static const krhpr_casadi_function function_subleg_forward = {
 KRHPR_CASADI_FUNCTION(NAME(subleg_forward), function_subleg_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward), function_subleg_forward)
 
+/* -- subleg_forward_all -- */
+
+static int value_subleg_forward_all(const double *x, double *y)
+{
+    return plain_subleg_forward_all(&geometry, x, y);
+}
+
+static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    krhpr_dual *const s = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_p_fivebar_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+    }
+}
+
+static const krhpr_casadi_slot in_subleg_forward_all[] = {
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_subleg_forward_all[] = {
+    {"out_s1", 2, 3, 1, NULL, P6, P7},
+    {"out_s2", 2, 3, 1, NULL, P6, P7},
+    {"out_s3", 2, 3, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_subleg_forward_all[] = {
+    P29, P30, P31
+};
+static const char *const names_subleg_forward_all[] = {
+    "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
+};
+static const krhpr_casadi_function function_subleg_forward_all = {
+    1, in_subleg_forward_all, 3, out_subleg_forward_all, value_subleg_forward_all, tangent_subleg_forward_all, structure_subleg_forward_all, names_subleg_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(subleg_forward_all), function_subleg_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward_all), function_subleg_forward_all)
+
 /* -- subleg_inverse -- */
 
 static int value_subleg_inverse(const double *x, double *y)
@@ -390,12 +435,12 @@ static const krhpr_casadi_slot in_subleg_inverse[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 4, 3, 1, NULL, P6, P7},
-    {"out_theta2", 4, 3, 1, NULL, P6, P7},
-    {"out_theta3", 4, 3, 1, NULL, P6, P7},
+    {"out_theta1", 4, 3, 1, NULL, P8, P9},
+    {"out_theta2", 4, 3, 1, NULL, P8, P9},
+    {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P29, P30, P31
+    P32, P33, P34
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -437,7 +482,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P33, P34, P35, P36, P37
+    P35, P36, P37, P38, P39, P40
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -472,10 +517,10 @@ static const krhpr_casadi_slot in_constraints[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_constraints[] = {
-    {"out_residual", 6, 1, 1, NULL, P8, P9},
+    {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P38, P39, P40
+    P41, P42, P43
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -519,11 +564,11 @@ static const krhpr_casadi_slot in_jacobians[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobians[] = {
-    {"out_J", 6, 6, 1, NULL, P10, P11},
-    {"out_K", 6, 9, 3, NULL, P12, P13},
+    {"out_J", 6, 6, 1, NULL, P12, P13},
+    {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P41, P42, P43, P44, P45, P46, P47, P48
+    P44, P45, P46, P47, P48, P49, P50, P51
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -567,13 +612,13 @@ static const krhpr_casadi_slot in_jacobian_blocks[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
-    {"out_J", 6, 6, 1, NULL, P10, P11},
-    {"out_K1", 2, 3, 1, NULL, P14, P15},
-    {"out_K2", 2, 3, 1, NULL, P14, P15},
-    {"out_K3", 2, 3, 1, NULL, P14, P15},
+    {"out_J", 6, 6, 1, NULL, P12, P13},
+    {"out_K1", 2, 3, 1, NULL, P6, P7},
+    {"out_K2", 2, 3, 1, NULL, P6, P7},
+    {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P41, P42, P43, P44, P49, P50, P51, P52, P49, P50, P53, P54, P49, P50, P55, P56
+    P44, P45, P46, P47, P52, P53, P54, P55, P52, P53, P56, P57, P52, P53, P58, P59
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -617,7 +662,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P57, P58, P24, P59
+    P60, P61, P24, P62
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -654,12 +699,12 @@ static const krhpr_casadi_slot in_inverse_all[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 4, 3, 1, NULL, P6, P7},
-    {"out_theta2", 4, 3, 1, NULL, P6, P7},
-    {"out_theta3", 4, 3, 1, NULL, P6, P7},
+    {"out_theta1", 4, 3, 1, NULL, P8, P9},
+    {"out_theta2", 4, 3, 1, NULL, P8, P9},
+    {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P60, P61, P62, P60, P61, P63, P60, P61, P64
+    P63, P64, P65, P63, P64, P66, P63, P64, P67
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -735,10 +780,10 @@ static const krhpr_casadi_slot in_twist[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_twist[] = {
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P38, P65, P65, P66, P65
+    P41, P68, P68, P69, P68
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -782,14 +827,14 @@ static const krhpr_casadi_slot in_joint_rates[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P67, P68, P69, P70, P71, P24
+    P70, P71, P72, P73, P74, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -852,15 +897,15 @@ static const krhpr_casadi_slot in_platform_acceleration[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_platform_acceleration[] = {
-    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P38, P65, P65, P66, P10, P65, P65
+    P41, P68, P68, P69, P12, P68, P68
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -916,17 +961,17 @@ static const krhpr_casadi_slot in_joint_accelerations[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
-    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_accelerations", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P67, P68, P69, P72, P73, P24, P69, P71, P24
+    P70, P71, P72, P75, P76, P24, P72, P74, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -983,7 +1028,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P74, P69, P75, P76, P77, P78, P79, P76, P77, P80, P81, P76, P77, P82, P83, P0, P25, P26, P84
+    P28, P77, P72, P78, P79, P80, P81, P82, P79, P80, P83, P84, P79, P80, P85, P86, P0, P25, P26, P87
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1035,7 +1080,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P85, P86, P87, P88, P85, P86, P89, P90, P85, P86, P91, P92, P22, P23, P74, P74
+    P88, P89, P90, P91, P88, P89, P92, P93, P88, P89, P94, P95, P22, P23, P77, P77
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1095,7 +1140,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P84, P26, P93, P28, P74, P69, P75, P14, P94, P95, P96, P14, P94, P95, P96
+    P1, P87, P26, P96, P28, P77, P72, P78, P6, P97, P98, P99, P6, P97, P98, P99
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1138,7 +1183,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P14, P14
+    P6, P6
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"

@@ -27,6 +27,7 @@
 #define krhpr_spatial_p_fivebar_c_end_points plain_end_points
 #define krhpr_spatial_p_fivebar_c_redundant_coordinates plain_redundant_coordinates
 #define krhpr_spatial_p_fivebar_c_subleg_forward plain_subleg_forward
+#define krhpr_spatial_p_fivebar_c_subleg_forward_all plain_subleg_forward_all
 #define krhpr_spatial_p_fivebar_c_subleg_inverse plain_subleg_inverse
 #define krhpr_spatial_p_fivebar_c_subleg_jacobian plain_subleg_jacobian
 #define krhpr_spatial_p_fivebar_c_constraints plain_constraints
@@ -50,6 +51,7 @@
 #undef krhpr_spatial_p_fivebar_c_end_points
 #undef krhpr_spatial_p_fivebar_c_redundant_coordinates
 #undef krhpr_spatial_p_fivebar_c_subleg_forward
+#undef krhpr_spatial_p_fivebar_c_subleg_forward_all
 #undef krhpr_spatial_p_fivebar_c_subleg_inverse
 #undef krhpr_spatial_p_fivebar_c_subleg_jacobian
 #undef krhpr_spatial_p_fivebar_c_constraints
@@ -102,17 +104,17 @@ static const casadi_int P2[3] = {1, 1, 1};
 static const casadi_int P3[4] = {1, 1, 0, 0};
 static const casadi_int P4[3] = {3, 1, 1};
 static const casadi_int P5[4] = {3, 1, 0, 0};
-static const casadi_int P6[3] = {4, 3, 1};
-static const casadi_int P7[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P8[3] = {6, 1, 1};
-static const casadi_int P9[4] = {6, 1, 0, 0};
-static const casadi_int P10[3] = {6, 6, 1};
-static const casadi_int P11[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
+static const casadi_int P6[3] = {2, 3, 1};
+static const casadi_int P7[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P8[3] = {4, 3, 1};
+static const casadi_int P9[6] = {4, 3, 0, 0, 0, 0};
+static const casadi_int P10[3] = {6, 1, 1};
+static const casadi_int P11[4] = {6, 1, 0, 0};
+static const casadi_int P12[3] = {6, 6, 1};
+static const casadi_int P13[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P14[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
-static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P14[3] = {2, 3, 1};
-static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P15[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P16[3] = {3, 2, 1};
 static const casadi_int P17[5] = {3, 2, 0, 0, 0};
 static const casadi_int P18[3] = {7, 3, 1};
@@ -129,117 +131,124 @@ static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 
 static const casadi_int P27[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
     5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
 static const casadi_int P28[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P29[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P29[28] = {6, 9, 0, 4, 4, 4, 10, 10, 10, 16, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+    3, 4, 5};
+static const casadi_int P30[28] = {6, 9, 0, 0, 4, 4, 4, 10, 10, 10, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+    3, 4, 5};
+static const casadi_int P31[28] = {6, 9, 0, 0, 0, 4, 4, 4, 10, 10, 10, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3,
+    4, 5};
+static const casadi_int P32[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P30[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P33[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P31[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P34[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P32[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P35[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P33[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P34[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P36[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P37[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P35[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P38[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P39[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P37[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[3] = {6, 3, 1};
-static const casadi_int P39[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P40[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P41[3] = {6, 3, 1};
+static const casadi_int P42[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P40[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P43[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P41[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P44[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P42[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P45[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P43[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P46[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P44[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P45[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P46[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P47[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P48[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P49[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 6, 12, 26, 32, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 7, 13, 27, 33,
     47, 53};
-static const casadi_int P47[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P50[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P48[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P51[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P49[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P50[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
+static const casadi_int P52[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P53[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
     4, 2, 4, 1, 3, 5, 1, 3, 5, 3, 5};
-static const casadi_int P51[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P52[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P53[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P54[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P55[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P56[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P57[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P54[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P55[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P56[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P57[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P58[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P59[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P60[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P58[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P61[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P59[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P60[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P62[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P63[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P61[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P64[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P62[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P63[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P64[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P65[3] = {6, 9, 1};
-static const casadi_int P66[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P65[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P66[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P67[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P68[3] = {6, 9, 1};
+static const casadi_int P69[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P67[3] = {9, 3, 1};
-static const casadi_int P68[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P70[3] = {9, 3, 1};
+static const casadi_int P71[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P69[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
-static const casadi_int P70[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P72[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
+static const casadi_int P73[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P71[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P74[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P72[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
+static const casadi_int P75[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
     7, 2, 5, 8};
-static const casadi_int P73[3] = {9, 6, 1};
-static const casadi_int P74[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P75[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+static const casadi_int P76[3] = {9, 6, 1};
+static const casadi_int P77[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
     8};
-static const casadi_int P76[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P79[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P77[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P80[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P78[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P79[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P81[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P82[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P80[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P81[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P83[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P84[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P82[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P83[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P84[6] = {21, 3, 0, 0, 0, 0};
-static const casadi_int P85[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P86[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P85[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P86[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P87[6] = {21, 3, 0, 0, 0, 0};
+static const casadi_int P88[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P89[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P87[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P88[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P90[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P91[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P89[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P90[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
+static const casadi_int P92[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P93[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
     18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P91[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P92[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P93[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P94[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P95[3] = {2, 9, 1};
-static const casadi_int P96[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P97[3] = {9, 9, 1};
-static const casadi_int P98[3] = {9, 1, 1};
-static const casadi_int P99[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[3] = {3, 9, 1};
-static const casadi_int P101[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P94[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P95[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P96[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P97[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P98[3] = {2, 9, 1};
+static const casadi_int P99[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P100[3] = {9, 9, 1};
+static const casadi_int P101[3] = {9, 1, 1};
+static const casadi_int P102[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P103[3] = {3, 9, 1};
+static const casadi_int P104[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P105[6] = {1, 3, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -374,6 +383,43 @@ static const krhpr_casadi_function function_subleg_forward = {
 KRHPR_CASADI_FUNCTION(NAME(subleg_forward), function_subleg_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward), function_subleg_forward)
 
+/* -- subleg_forward_all -- */
+
+static int value_subleg_forward_all(const double *x, double *y)
+{
+    return plain_subleg_forward_all(&geometry, x, y);
+}
+
+static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    krhpr_dual *const s = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_p_fivebar_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+    }
+}
+
+static const krhpr_casadi_slot in_subleg_forward_all[] = {
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_subleg_forward_all[] = {
+    {"out_s1", 2, 3, 1, NULL, P6, P7},
+    {"out_s2", 2, 3, 1, NULL, P6, P7},
+    {"out_s3", 2, 3, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_subleg_forward_all[] = {
+    P29, P30, P31
+};
+static const char *const names_subleg_forward_all[] = {
+    "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
+};
+static const krhpr_casadi_function function_subleg_forward_all = {
+    1, in_subleg_forward_all, 3, out_subleg_forward_all, value_subleg_forward_all, tangent_subleg_forward_all, structure_subleg_forward_all, names_subleg_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(subleg_forward_all), function_subleg_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward_all), function_subleg_forward_all)
+
 /* -- subleg_inverse -- */
 
 static int value_subleg_inverse(const double *x, double *y)
@@ -394,12 +440,12 @@ static const krhpr_casadi_slot in_subleg_inverse[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 4, 3, 1, NULL, P6, P7},
-    {"out_theta2", 4, 3, 1, NULL, P6, P7},
-    {"out_theta3", 4, 3, 1, NULL, P6, P7},
+    {"out_theta1", 4, 3, 1, NULL, P8, P9},
+    {"out_theta2", 4, 3, 1, NULL, P8, P9},
+    {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P29, P30, P31
+    P32, P33, P34
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -441,7 +487,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P33, P34, P35, P36, P37
+    P35, P36, P37, P38, P39, P40
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -476,10 +522,10 @@ static const krhpr_casadi_slot in_constraints[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_constraints[] = {
-    {"out_residual", 6, 1, 1, NULL, P8, P9},
+    {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P38, P39, P40
+    P41, P42, P43
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -523,11 +569,11 @@ static const krhpr_casadi_slot in_jacobians[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobians[] = {
-    {"out_J", 6, 6, 1, NULL, P10, P11},
-    {"out_K", 6, 9, 3, NULL, P12, P13},
+    {"out_J", 6, 6, 1, NULL, P12, P13},
+    {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P41, P42, P43, P44, P45, P46, P47, P48
+    P44, P45, P46, P47, P48, P49, P50, P51
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -571,13 +617,13 @@ static const krhpr_casadi_slot in_jacobian_blocks[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
-    {"out_J", 6, 6, 1, NULL, P10, P11},
-    {"out_K1", 2, 3, 1, NULL, P14, P15},
-    {"out_K2", 2, 3, 1, NULL, P14, P15},
-    {"out_K3", 2, 3, 1, NULL, P14, P15},
+    {"out_J", 6, 6, 1, NULL, P12, P13},
+    {"out_K1", 2, 3, 1, NULL, P6, P7},
+    {"out_K2", 2, 3, 1, NULL, P6, P7},
+    {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P41, P42, P43, P44, P49, P50, P51, P52, P49, P50, P53, P54, P49, P50, P55, P56
+    P44, P45, P46, P47, P52, P53, P54, P55, P52, P53, P56, P57, P52, P53, P58, P59
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -621,7 +667,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P57, P58, P24, P59
+    P60, P61, P24, P62
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -658,12 +704,12 @@ static const krhpr_casadi_slot in_inverse_all[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 4, 3, 1, NULL, P6, P7},
-    {"out_theta2", 4, 3, 1, NULL, P6, P7},
-    {"out_theta3", 4, 3, 1, NULL, P6, P7},
+    {"out_theta1", 4, 3, 1, NULL, P8, P9},
+    {"out_theta2", 4, 3, 1, NULL, P8, P9},
+    {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P60, P61, P62, P60, P61, P63, P60, P61, P64
+    P63, P64, P65, P63, P64, P66, P63, P64, P67
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -739,10 +785,10 @@ static const krhpr_casadi_slot in_twist[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_twist[] = {
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P38, P65, P65, P66, P65
+    P41, P68, P68, P69, P68
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -786,14 +832,14 @@ static const krhpr_casadi_slot in_joint_rates[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P67, P58, P68, P69, P70, P24
+    P70, P61, P71, P72, P73, P24
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -856,15 +902,15 @@ static const krhpr_casadi_slot in_platform_acceleration[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_platform_acceleration[] = {
-    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P38, P65, P65, P66, P10, P65, P65
+    P41, P68, P68, P69, P12, P68, P68
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -920,17 +966,17 @@ static const krhpr_casadi_slot in_joint_accelerations[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
-    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_accelerations", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P67, P71, P68, P72, P73, P24, P68, P70, P24
+    P70, P74, P71, P75, P76, P24, P71, P73, P24
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -987,7 +1033,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P74, P68, P75, P28, P76, P77, P78, P28, P76, P79, P80, P28, P76, P81, P82, P0, P25, P26, P83
+    P28, P77, P71, P78, P28, P79, P80, P81, P28, P79, P82, P83, P28, P79, P84, P85, P0, P25, P26, P86
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1037,7 +1083,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P84, P85, P86, P87, P84, P85, P88, P89, P84, P85, P90, P91, P28, P74, P92, P74
+    P87, P88, P89, P90, P87, P88, P91, P92, P87, P88, P93, P94, P28, P77, P95, P77
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1097,7 +1143,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P83, P26, P93, P28, P74, P68, P75, P14, P94, P95, P96, P14, P94, P95, P96
+    P1, P86, P26, P96, P28, P77, P71, P78, P6, P97, P98, P99, P6, P97, P98, P99
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1140,7 +1186,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P14, P14
+    P6, P6
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1184,15 +1230,15 @@ static const krhpr_casadi_slot in_forward_all[] = {
     {"out_turned", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_all[] = {
-    {"out_p", 2, 3, 1, NULL, P14, P15},
+    {"out_p", 2, 3, 1, NULL, P6, P7},
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P14, P15},
+    {"out_redundant", 2, 3, 1, NULL, P6, P7},
     {"out_det_J", 2, 1, 1, NULL, P20, P21},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P65, P8, P97, P98, P97, P98, P65, P8, P95, P20, P99, P3
+    P68, P10, P100, P101, P100, P101, P68, P10, P98, P20, P102, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1208,7 +1254,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 static int value_forward(const double *x, double *y)
 {
-    return plain_forward(&geometry, x, x + 9, x[12], y, y + 3, y + 12);
+    return plain_forward(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 15, y + 16);
 }
 
 static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
@@ -1218,6 +1264,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const p = found;
     krhpr_dual *const Q = found + 3;
     krhpr_dual *const redundant = found + 12;
+    krhpr_dual *const count = found + 15;
+    krhpr_dual *const certified = found + 16;
     krhpr_dual s[9];
     krhpr_dual slide[6];
     krhpr_dual flatness[1];
@@ -1233,7 +1281,7 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode_tangent(
-        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
 }
 
 static const krhpr_casadi_slot in_forward[] = {
@@ -1245,16 +1293,19 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+    {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P100, P1, P4, P97, P28, P101, P100, P1, P4
+    P103, P1, P4, P100, P28, P104, P103, P1, P4, P102, P105, P3, P102, P105, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
-    "jac_redundant_assembly", "jac_redundant_side"
+    "jac_redundant_assembly", "jac_redundant_side", "jac_count_theta", "jac_count_assembly", "jac_count_side",
+    "jac_certified_theta", "jac_certified_assembly", "jac_certified_side"
 };
 static const krhpr_casadi_function function_forward = {
-    3, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+    3, in_forward, 5, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

@@ -27,6 +27,7 @@
 #define krhpr_spatial_r_fivebar_b_end_points plain_end_points
 #define krhpr_spatial_r_fivebar_b_redundant_coordinates plain_redundant_coordinates
 #define krhpr_spatial_r_fivebar_b_subleg_forward plain_subleg_forward
+#define krhpr_spatial_r_fivebar_b_subleg_forward_all plain_subleg_forward_all
 #define krhpr_spatial_r_fivebar_b_subleg_inverse plain_subleg_inverse
 #define krhpr_spatial_r_fivebar_b_subleg_jacobian plain_subleg_jacobian
 #define krhpr_spatial_r_fivebar_b_constraints plain_constraints
@@ -50,6 +51,7 @@
 #undef krhpr_spatial_r_fivebar_b_end_points
 #undef krhpr_spatial_r_fivebar_b_redundant_coordinates
 #undef krhpr_spatial_r_fivebar_b_subleg_forward
+#undef krhpr_spatial_r_fivebar_b_subleg_forward_all
 #undef krhpr_spatial_r_fivebar_b_subleg_inverse
 #undef krhpr_spatial_r_fivebar_b_subleg_jacobian
 #undef krhpr_spatial_r_fivebar_b_constraints
@@ -102,17 +104,17 @@ static const casadi_int P2[3] = {1, 1, 1};
 static const casadi_int P3[4] = {1, 1, 0, 0};
 static const casadi_int P4[3] = {3, 1, 1};
 static const casadi_int P5[4] = {3, 1, 0, 0};
-static const casadi_int P6[3] = {8, 3, 1};
-static const casadi_int P7[6] = {8, 3, 0, 0, 0, 0};
-static const casadi_int P8[3] = {6, 1, 1};
-static const casadi_int P9[4] = {6, 1, 0, 0};
-static const casadi_int P10[3] = {6, 6, 1};
-static const casadi_int P11[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
+static const casadi_int P6[3] = {2, 3, 1};
+static const casadi_int P7[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P8[3] = {8, 3, 1};
+static const casadi_int P9[6] = {8, 3, 0, 0, 0, 0};
+static const casadi_int P10[3] = {6, 1, 1};
+static const casadi_int P11[4] = {6, 1, 0, 0};
+static const casadi_int P12[3] = {6, 6, 1};
+static const casadi_int P13[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P14[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
-static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P14[3] = {2, 3, 1};
-static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P15[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P16[3] = {6, 3, 1};
 static const casadi_int P17[6] = {6, 3, 0, 0, 0, 0};
 static const casadi_int P18[3] = {3, 4, 1};
@@ -129,61 +131,61 @@ static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 
 static const casadi_int P27[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
 static const casadi_int P28[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P29[84] = {24, 9, 0, 24, 24, 24, 48, 48, 48, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P29[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+    1, 2, 3, 4, 5};
+static const casadi_int P30[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+    1, 2, 3, 4, 5};
+static const casadi_int P31[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+    2, 3, 4, 5};
+static const casadi_int P32[84] = {24, 9, 0, 24, 24, 24, 48, 48, 48, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P30[84] = {24, 9, 0, 0, 24, 24, 24, 48, 48, 48, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P33[84] = {24, 9, 0, 0, 24, 24, 24, 48, 48, 48, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P31[84] = {24, 9, 0, 0, 0, 24, 24, 24, 48, 48, 48, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P34[84] = {24, 9, 0, 0, 0, 24, 24, 24, 48, 48, 48, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18,
     19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P32[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P35[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P33[33] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
+static const casadi_int P36[33] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P34[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P37[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P35[33] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
+static const casadi_int P38[33] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P39[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P37[33] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7,
+static const casadi_int P40[33] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7,
     8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P41[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P39[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P42[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P40[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P43[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P41[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P44[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P42[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P45[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P43[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P44[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P45[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P46[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P47[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P48[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P46[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P49[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P47[54] = {54, 9, 0, 6, 12, 18, 22, 26, 30, 34, 38, 42, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P50[54] = {54, 9, 0, 6, 12, 18, 22, 26, 30, 34, 38, 42, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53};
-static const casadi_int P48[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
-    1, 2, 3, 4, 5};
-static const casadi_int P49[26] = {6, 9, 0, 6, 6, 6, 10, 10, 10, 14, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P51[26] = {6, 9, 0, 6, 6, 6, 10, 10, 10, 14, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P50[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
-    1, 2, 3, 4, 5};
-static const casadi_int P51[26] = {6, 9, 0, 0, 6, 6, 6, 10, 10, 10, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P52[26] = {6, 9, 0, 0, 6, 6, 6, 10, 10, 10, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P52[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
-    2, 3, 4, 5};
 static const casadi_int P53[26] = {6, 9, 0, 0, 0, 6, 6, 6, 10, 10, 10, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
 static const casadi_int P54[3] = {9, 3, 1};
@@ -254,6 +256,7 @@ static const casadi_int P91[3] = {9, 1, 1};
 static const casadi_int P92[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P93[3] = {3, 9, 1};
 static const casadi_int P94[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P95[6] = {1, 3, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -388,6 +391,43 @@ static const krhpr_casadi_function function_subleg_forward = {
 KRHPR_CASADI_FUNCTION(NAME(subleg_forward), function_subleg_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward), function_subleg_forward)
 
+/* -- subleg_forward_all -- */
+
+static int value_subleg_forward_all(const double *x, double *y)
+{
+    return plain_subleg_forward_all(&geometry, x, y);
+}
+
+static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const theta = given;
+    krhpr_dual *const s = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual radicand[1];
+        krhpr_subleg_r_fivebar_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+    }
+}
+
+static const krhpr_casadi_slot in_subleg_forward_all[] = {
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_subleg_forward_all[] = {
+    {"out_s1", 2, 3, 1, NULL, P6, P7},
+    {"out_s2", 2, 3, 1, NULL, P6, P7},
+    {"out_s3", 2, 3, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_subleg_forward_all[] = {
+    P29, P30, P31
+};
+static const char *const names_subleg_forward_all[] = {
+    "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
+};
+static const krhpr_casadi_function function_subleg_forward_all = {
+    1, in_subleg_forward_all, 3, out_subleg_forward_all, value_subleg_forward_all, tangent_subleg_forward_all, structure_subleg_forward_all, names_subleg_forward_all
+};
+KRHPR_CASADI_FUNCTION(NAME(subleg_forward_all), function_subleg_forward_all)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(subleg_forward_all), function_subleg_forward_all)
+
 /* -- subleg_inverse -- */
 
 static int value_subleg_inverse(const double *x, double *y)
@@ -408,12 +448,12 @@ static const krhpr_casadi_slot in_subleg_inverse[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_subleg_inverse[] = {
-    {"out_theta1", 8, 3, 1, NULL, P6, P7},
-    {"out_theta2", 8, 3, 1, NULL, P6, P7},
-    {"out_theta3", 8, 3, 1, NULL, P6, P7},
+    {"out_theta1", 8, 3, 1, NULL, P8, P9},
+    {"out_theta2", 8, 3, 1, NULL, P8, P9},
+    {"out_theta3", 8, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P29, P30, P31
+    P32, P33, P34
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -458,7 +498,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P33, P34, P35, P36, P37
+    P35, P36, P37, P38, P39, P40
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -493,10 +533,10 @@ static const krhpr_casadi_slot in_constraints[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_constraints[] = {
-    {"out_residual", 6, 1, 1, NULL, P8, P9},
+    {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P16, P38, P39
+    P16, P41, P42
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -543,11 +583,11 @@ static const krhpr_casadi_slot in_jacobians[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobians[] = {
-    {"out_J", 6, 6, 1, NULL, P10, P11},
-    {"out_K", 6, 9, 3, NULL, P12, P13},
+    {"out_J", 6, 6, 1, NULL, P12, P13},
+    {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P40, P41, P42, P43, P44, P45, P46, P47
+    P43, P44, P45, P46, P47, P48, P49, P50
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -594,13 +634,13 @@ static const krhpr_casadi_slot in_jacobian_blocks[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_jacobian_blocks[] = {
-    {"out_J", 6, 6, 1, NULL, P10, P11},
-    {"out_K1", 2, 3, 1, NULL, P14, P15},
-    {"out_K2", 2, 3, 1, NULL, P14, P15},
-    {"out_K3", 2, 3, 1, NULL, P14, P15},
+    {"out_J", 6, 6, 1, NULL, P12, P13},
+    {"out_K1", 2, 3, 1, NULL, P6, P7},
+    {"out_K2", 2, 3, 1, NULL, P6, P7},
+    {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P40, P41, P42, P43, P17, P38, P48, P49, P17, P38, P50, P51, P17, P38, P52, P53
+    P43, P44, P45, P46, P17, P41, P29, P51, P17, P41, P30, P52, P17, P41, P31, P53
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -681,9 +721,9 @@ static const krhpr_casadi_slot in_inverse_all[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_all[] = {
-    {"out_theta1", 8, 3, 1, NULL, P6, P7},
-    {"out_theta2", 8, 3, 1, NULL, P6, P7},
-    {"out_theta3", 8, 3, 1, NULL, P6, P7},
+    {"out_theta1", 8, 3, 1, NULL, P8, P9},
+    {"out_theta2", 8, 3, 1, NULL, P8, P9},
+    {"out_theta3", 8, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
     P57, P58, P59, P57, P58, P60, P57, P58, P61
@@ -766,7 +806,7 @@ static const krhpr_casadi_slot in_twist[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_twist[] = {
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
     P16, P62, P62, P62, P62
@@ -817,7 +857,7 @@ static const krhpr_casadi_slot in_joint_rates[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_rates[] = {
@@ -891,15 +931,15 @@ static const krhpr_casadi_slot in_platform_acceleration[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_platform_acceleration[] = {
-    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P16, P62, P62, P62, P10, P62, P62
+    P16, P62, P62, P62, P12, P62, P62
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -959,10 +999,10 @@ static const krhpr_casadi_slot in_joint_accelerations[] = {
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_theta", 3, 3, 1, NULL, P0, P1},
-    {"out_twist", 6, 1, 1, NULL, P8, P9},
+    {"out_twist", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_rates", 3, 1, 1, NULL, P4, P5},
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
-    {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
+    {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
     {"out_redundant_accelerations", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_joint_accelerations[] = {
@@ -1148,7 +1188,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P73, P26, P26, P83, P84, P85, P86, P14, P87, P88, P89, P14, P87, P88, P89
+    P1, P73, P26, P26, P83, P84, P85, P86, P6, P87, P88, P89, P6, P87, P88, P89
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1191,7 +1231,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P14, P14
+    P6, P6
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1237,15 +1277,15 @@ static const krhpr_casadi_slot in_forward_all[] = {
     {"out_turned", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_all[] = {
-    {"out_p", 2, 3, 1, NULL, P14, P15},
+    {"out_p", 2, 3, 1, NULL, P6, P7},
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P14, P15},
+    {"out_redundant", 2, 3, 1, NULL, P6, P7},
     {"out_det_J", 2, 1, 1, NULL, P20, P21},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P62, P8, P90, P91, P90, P91, P62, P8, P88, P20, P92, P3
+    P62, P10, P90, P91, P90, P91, P62, P10, P88, P20, P92, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1261,7 +1301,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 static int value_forward(const double *x, double *y)
 {
-    return plain_forward(&geometry, x, x + 9, x[12], y, y + 3, y + 12);
+    return plain_forward(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 15, y + 16);
 }
 
 static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
@@ -1271,6 +1311,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const p = found;
     krhpr_dual *const Q = found + 3;
     krhpr_dual *const redundant = found + 12;
+    krhpr_dual *const count = found + 15;
+    krhpr_dual *const certified = found + 16;
     krhpr_dual s[9];
     krhpr_dual slide[6];
     krhpr_dual distance[3];
@@ -1288,7 +1330,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_assembly_mode_tangent(
-        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
+        certified);
 }
 
 static const krhpr_casadi_slot in_forward[] = {
@@ -1300,16 +1343,19 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+    {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P93, P1, P4, P90, P28, P94, P93, P1, P4
+    P93, P1, P4, P90, P28, P94, P93, P1, P4, P92, P95, P3, P92, P95, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
-    "jac_redundant_assembly", "jac_redundant_side"
+    "jac_redundant_assembly", "jac_redundant_side", "jac_count_theta", "jac_count_assembly", "jac_count_side",
+    "jac_certified_theta", "jac_certified_assembly", "jac_certified_side"
 };
 static const krhpr_casadi_function function_forward = {
-    3, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+    3, in_forward, 5, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

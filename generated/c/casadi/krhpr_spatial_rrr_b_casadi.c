@@ -1209,7 +1209,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
 
 static int value_forward(const double *x, double *y)
 {
-    return plain_forward(&geometry, x, x[9], y, y + 3, y + 12);
+    return plain_forward(&geometry, x, x[9], y, y + 3, y + 12, y + 15, y + 16);
 }
 
 static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
@@ -1219,6 +1219,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const p = found;
     krhpr_dual *const Q = found + 3;
     krhpr_dual *const redundant = found + 12;
+    krhpr_dual *const count = found + 15;
+    krhpr_dual *const certified = found + 16;
     krhpr_dual s[9];
     krhpr_dual slide[6];
     krhpr_dual distance[3];
@@ -1232,7 +1234,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
         krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_assembly_mode_tangent(
-        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant);
+        s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
+        certified);
 }
 
 static const krhpr_casadi_slot in_forward[] = {
@@ -1243,15 +1246,18 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_count", 1, 1, 1, NULL, P2, P3},
+    {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P94, P4, P91, P95, P94, P4
+    P94, P4, P91, P95, P94, P4, P93, P3, P93, P3
 };
 static const char *const names_forward[] = {
-    "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side"
+    "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
+    "jac_count_theta", "jac_count_side", "jac_certified_theta", "jac_certified_side"
 };
 static const krhpr_casadi_function function_forward = {
-    2, in_forward, 3, out_forward, value_forward, tangent_forward, structure_forward, names_forward
+    2, in_forward, 5, out_forward, value_forward, tangent_forward, structure_forward, names_forward
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)

@@ -204,6 +204,124 @@ static inline void krhpr_subleg_delta_forward_posture_tangent(
     }
 }
 
+/* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (123
+ * add, 163 multiply, 2 divide, 1 square root, 3 sine cosine) */
+static inline void krhpr_subleg_delta_forward_all_tangent(
+    const krhpr_subleg_delta_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
+    double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
+    double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
+    const double t1 = g->L * cos_1;
+    const double k_1_0 = g->g[0] + g->x[0] * t1;
+    const double k_1_1 = g->g[1] + g->x[1] * t1;
+    const double k_1_2 = g->g[2] + g->L * sin_1;
+    const double t2 = g->L * cos_2;
+    const double k_2_0 = g->g[3] + g->x[3] * t2;
+    const double k_2_1 = g->g[4] + g->x[4] * t2;
+    const double k_2_2 = g->g[5] + g->L * sin_2;
+    const double t3 = g->L * cos_3;
+    const double k_3_0 = g->g[6] + g->x[6] * t3;
+    const double k_3_1 = g->g[7] + g->x[7] * t3;
+    const double k_3_2 = g->g[8] + g->L * sin_3;
+    const double g_12_0 = k_2_0 - k_1_0;
+    const double g_12_1 = k_2_1 - k_1_1;
+    const double g_12_2 = k_2_2 - k_1_2;
+    const double g_13_0 = k_3_0 - k_1_0;
+    const double g_13_1 = k_3_1 - k_1_1;
+    const double g_13_2 = k_3_2 - k_1_2;
+    const double n_0 = g_12_1 * g_13_2 - g_12_2 * g_13_1;
+    const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
+    const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
+    const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
+    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
+    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double h1 = g_13_1 * n_2 - g_13_2 * n_1;
+    const double h2 = g_12_2 * n_1 - g_12_1 * n_2;
+    const double h4 = q_2 * h1 + q_3 * h2;
+    const double h3 = 1.0 / n2;
+    const double foot_0 = h4 * h3;
+    const double h5 = g_13_2 * n_0 - g_13_0 * n_2;
+    const double h6 = g_12_0 * n_2 - g_12_2 * n_0;
+    const double h7 = q_2 * h5 + q_3 * h6;
+    const double foot_1 = h3 * h7;
+    const double h8 = g_13_0 * n_1 - g_13_1 * n_0;
+    const double h9 = g_12_1 * n_0 - g_12_0 * n_1;
+    const double h10 = q_2 * h8 + q_3 * h9;
+    const double foot_2 = h3 * h10;
+    const double h11 = g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
+    const double h2_a = h3 * h11;
+    const double height = sqrt(h2_a);
+    const double t4 = k_1_0 + foot_0;
+    const double t5 = n_0 * height;
+    const double t6 = k_1_1 + foot_1;
+    const double t7 = n_1 * height;
+    const double t8 = k_1_2 + foot_2;
+    const double t9 = n_2 * height;
+    const double h12 = 1.0 / height;
+    s[0].v = t4 + t5;
+    s[1].v = t6 + t7;
+    s[2].v = t8 + t9;
+    s[3].v = t4 - t5;
+    s[4].v = t6 - t7;
+    s[5].v = t8 - t9;
+    radicand[0].v = h2_a;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t10 = g->L * (sin_1 * theta[0].t[k]);
+        const double t11 = g->x[0] * t10;
+        const double t12 = g->x[1] * t10;
+        const double t13 = g->L * (cos_1 * theta[0].t[k]);
+        const double t14 = g->L * (sin_2 * theta[1].t[k]);
+        const double t15 = g->L * (sin_3 * theta[2].t[k]);
+        const double t16 = t11 - g->x[3] * t14;
+        const double t17 = t12 - g->x[4] * t14;
+        const double t18 = g->L * (cos_2 * theta[1].t[k]) - t13;
+        const double t19 = t11 - g->x[6] * t15;
+        const double t20 = t12 - g->x[7] * t15;
+        const double t21 = g->L * (cos_3 * theta[2].t[k]) - t13;
+        const double t22 = g_13_2 * t17 + g_12_1 * t21 - (g_13_1 * t18 + g_12_2 * t20);
+        const double t23 = g_13_0 * t18 + g_12_2 * t19 - (g_13_2 * t16 + g_12_0 * t21);
+        const double t24 = g_13_1 * t16 + g_12_0 * t20 - (g_13_0 * t17 + g_12_1 * t19);
+        const double t25 = n_0 * t22;
+        const double t26 = n_1 * t23;
+        const double t27 = n_2 * t24;
+        const double t28 = g_12_0 * t16;
+        const double t29 = g_12_1 * t17;
+        const double t30 = g_12_2 * t18;
+        const double t31 = 0.5 * (t28 + t28) + 0.5 * (t29 + t29) + 0.5 * (t30 + t30);
+        const double t32 = g_13_0 * t19;
+        const double t33 = g_13_1 * t20;
+        const double t34 = g_13_2 * t21;
+        const double t35 = 0.5 * (t32 + t32) + 0.5 * (t33 + t33) + 0.5 * (t34 + t34);
+        const double t36 = h1 * t31 + q_2 * (n_2 * t20 + g_13_1 * t24 - (n_1 * t21 + g_13_2 * t23)) + (h2 * t35 + q_3 * (n_1 * t18 + g_12_2 * t23 - (n_2 * t17 + g_12_1 * t24)));
+        const double t37 = h3 * (h3 * (t25 + t25 + (t26 + t26) + (t27 + t27)));
+        const double t38 = h3 * t36 - h4 * t37;
+        const double t39 = h5 * t31 + q_2 * (n_0 * t21 + g_13_2 * t22 - (n_2 * t19 + g_13_0 * t24)) + (h6 * t35 + q_3 * (n_2 * t16 + g_12_0 * t24 - (n_0 * t18 + g_12_2 * t22)));
+        const double t40 = h3 * t39 - h7 * t37;
+        const double t41 = h8 * t31 + q_2 * (n_1 * t19 + g_13_0 * t23 - (n_0 * t20 + g_13_1 * t22)) + (h9 * t35 + q_3 * (n_0 * t17 + g_12_1 * t22 - (n_1 * t16 + g_12_0 * t23)));
+        const double t42 = h3 * t41 - h10 * t37;
+        const double t43 = foot_0 * t38;
+        const double t44 = foot_1 * t40;
+        const double t45 = foot_2 * t42;
+        const double t46 = h11 * t37 + h3 * (t43 + t43 + (t44 + t44) + (t45 + t45));
+        const double t47 = h12 * (0.5 * t46);
+        const double t48 = t38 - t11;
+        const double t49 = height * t22 - n_0 * t47;
+        const double t50 = t40 - t12;
+        const double t51 = height * t23 - n_1 * t47;
+        const double t52 = t13 + t42;
+        const double t53 = height * t24 - n_2 * t47;
+        s[0].t[k] = t48 + t49;
+        s[1].t[k] = t50 + t51;
+        s[2].t[k] = t52 + t53;
+        s[3].t[k] = t48 - t49;
+        s[4].t[k] = t50 - t51;
+        s[5].t[k] = t52 - t53;
+        radicand[0].t[k] = -t46;
+    }
+}
+
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (90 add,
  * 123 multiply, 6 divide, 3 square root, 3 arctangent) */
 static inline void krhpr_subleg_delta_inverse_tangent(

@@ -133,6 +133,85 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
     }
 }
 
+/* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (68 add,
+ * 77 multiply, 2 divide, 1 square root, 2 sine cosine) */
+static inline void krhpr_subleg_p_fivebar_forward_all_tangent(
+    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
+    const double u_1_0 = g->l_4 * h2;
+    const double u_1_1 = g->l_4 * h1;
+    double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
+    const double u_2_0 = g->l_2 * h4;
+    const double u_2_1 = g->l_2 * h3;
+    const double f_0 = u_1_0 - u_2_0;
+    const double f_1 = u_1_1 - u_2_1;
+    const double d2 = f_0 * f_0 + f_1 * f_1;
+    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h5 = 1.0 / d2;
+    const double along = h6 * h5;
+    const double h2_a = g->k[0] * h5 - along * along;
+    const double across = sqrt(h2_a);
+    const double t1 = f_0 * along;
+    const double t2 = f_1 * across;
+    const double meeting_0 = t1 - t2;
+    const double t3 = f_0 * across;
+    const double t4 = f_1 * along;
+    const double meeting_1 = t3 + t4;
+    const double w_0 = meeting_0 - f_0;
+    const double w_1 = meeting_1 - f_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2];
+    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double t5 = g->e_t[0] * theta[0].v;
+    const double t6 = g->e_t[1] * theta[0].v;
+    const double meeting_0_a = t1 + t2;
+    const double meeting_1_a = t4 - t3;
+    const double w_0_a = meeting_0_a - f_0;
+    const double w_1_a = meeting_1_a - f_1;
+    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
+    const double h7 = 1.0 / across;
+    s[0].v = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + t5;
+    s[1].v = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + t6;
+    s[2].v = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    s[3].v = t5 + (g->c[0] + g->e_x[0] * d_0_a + g->e_1[0] * d_1_a);
+    s[4].v = t6 + (g->c[1] + g->e_x[1] * d_0_a + g->e_1[1] * d_1_a);
+    s[5].v = g->c[2] + g->e_x[2] * d_0_a + g->e_1[2] * d_1_a;
+    radicand[0].v = h2_a;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t7 = g->l_4 * (h1 * theta[1].t[k]);
+        const double t8 = g->l_4 * (h2 * theta[1].t[k]);
+        const double t9 = g->l_2 * (h3 * theta[2].t[k]) - t7;
+        const double t10 = t8 - g->l_2 * (h4 * theta[2].t[k]);
+        const double t11 = f_0 * t9;
+        const double t12 = f_1 * t10;
+        const double t13 = t11 + t11 + (t12 + t12);
+        const double t14 = h5 * (h5 * t13);
+        const double t15 = h5 * (0.5 * t13) - h6 * t14;
+        const double t16 = along * t15;
+        const double t17 = g->k[0] * t14 + (t16 + t16);
+        const double t18 = h7 * (0.5 * t17);
+        const double t19 = along * t9 + f_0 * t15;
+        const double t20 = across * t10 - f_1 * t18;
+        const double t21 = across * t9 - f_0 * t18;
+        const double t22 = along * t10 + f_1 * t15;
+        const double t23 = g->k[2] * (t19 - t20 - t9) - t7;
+        const double t24 = t8 + g->k[2] * (t21 + t22 - t10);
+        const double t25 = g->e_t[0] * theta[0].t[k];
+        const double t26 = g->e_t[1] * theta[0].t[k];
+        const double t27 = g->k[2] * (t19 + t20 - t9) - t7;
+        const double t28 = t8 + g->k[2] * (t22 - t21 - t10);
+        s[0].t[k] = g->e_x[0] * t23 + g->e_1[0] * t24 + t25;
+        s[1].t[k] = g->e_x[1] * t23 + g->e_1[1] * t24 + t26;
+        s[2].t[k] = g->e_x[2] * t23 + g->e_1[2] * t24;
+        s[3].t[k] = t25 + (g->e_x[0] * t27 + g->e_1[0] * t28);
+        s[4].t[k] = t26 + (g->e_x[1] * t27 + g->e_1[1] * t28);
+        s[5].t[k] = g->e_x[2] * t27 + g->e_1[2] * t28;
+        radicand[0].t[k] = -t17;
+    }
+}
+
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
  * (61 add, 88 multiply, 5 divide, 2 square root, 2 arctangent) */
 static inline void krhpr_subleg_p_fivebar_inverse_tangent(

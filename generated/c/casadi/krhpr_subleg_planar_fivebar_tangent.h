@@ -127,6 +127,73 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
     }
 }
 
+/* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (48 add,
+ * 41 multiply, 2 divide, 1 square root, 2 sine cosine) */
+static inline void krhpr_subleg_planar_fivebar_forward_all_tangent(
+    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
+    const double u_1_0 = g->l_4 * h2;
+    const double u_1_1 = g->l_4 * h1;
+    double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
+    const double u_2_0 = g->l_2 * h4;
+    const double u_2_1 = g->l_2 * h3;
+    const double f_0 = u_1_0 - g->o_12[0] - u_2_0;
+    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double d2 = f_0 * f_0 + f_1 * f_1;
+    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h5 = 1.0 / d2;
+    const double along = h6 * h5;
+    const double h2_a = g->k[0] * h5 - along * along;
+    const double across = sqrt(h2_a);
+    const double t1 = f_0 * along;
+    const double t2 = f_1 * across;
+    const double meeting_0 = t1 - t2;
+    const double t3 = f_0 * across;
+    const double t4 = f_1 * along;
+    const double meeting_1 = t3 + t4;
+    const double w_0 = meeting_0 - f_0;
+    const double w_1 = meeting_1 - f_1;
+    const double d_0 = u_1_0 + w_0;
+    const double d_1 = u_1_1 + w_1;
+    const double meeting_0_a = t1 + t2;
+    const double meeting_1_a = t4 - t3;
+    const double w_0_a = meeting_0_a - f_0;
+    const double w_1_a = meeting_1_a - f_1;
+    const double d_0_a = u_1_0 + w_0_a;
+    const double d_1_a = u_1_1 + w_1_a;
+    const double h7 = 1.0 / across;
+    s[0].v = g->o[0] + d_0;
+    s[1].v = g->o[1] + d_1;
+    s[2].v = g->o[0] + d_0_a;
+    s[3].v = g->o[1] + d_1_a;
+    radicand[0].v = h2_a;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t5 = g->l_4 * (h1 * theta[0].t[k]);
+        const double t6 = g->l_4 * (h2 * theta[0].t[k]);
+        const double t7 = g->l_2 * (h3 * theta[1].t[k]) - t5;
+        const double t8 = t6 - g->l_2 * (h4 * theta[1].t[k]);
+        const double t9 = f_0 * t7;
+        const double t10 = f_1 * t8;
+        const double t11 = t9 + t9 + (t10 + t10);
+        const double t12 = h5 * (h5 * t11);
+        const double t13 = h5 * (0.5 * t11) - h6 * t12;
+        const double t14 = along * t13;
+        const double t15 = g->k[0] * t12 + (t14 + t14);
+        const double t16 = h7 * (0.5 * t15);
+        const double t17 = along * t7 + f_0 * t13;
+        const double t18 = across * t8 - f_1 * t16;
+        const double t19 = across * t7 - f_0 * t16;
+        const double t20 = along * t8 + f_1 * t13;
+        s[0].t[k] = t17 - t18 - t7 - t5;
+        s[1].t[k] = t6 + (t19 + t20 - t8);
+        s[2].t[k] = t17 + t18 - t7 - t5;
+        s[3].t[k] = t6 + (t20 - t19 - t8);
+        radicand[0].t[k] = -t15;
+    }
+}
+
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (42
  * add, 56 multiply, 4 divide, 2 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_fivebar_inverse_tangent(

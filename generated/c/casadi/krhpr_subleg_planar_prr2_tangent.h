@@ -129,6 +129,65 @@ static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
     }
 }
 
+/* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (38 add,
+ * 37 multiply, 2 divide, 1 square root) */
+static inline void krhpr_subleg_planar_prr2_forward_all_tangent(
+    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    const double d_1_0 = g->o[0] + g->e_1[0] * theta[0].v;
+    const double d_1_1 = g->o[1] + g->e_1[1] * theta[0].v;
+    const double line_0 = g->k[0] + g->e_2[0] * theta[1].v - d_1_0;
+    const double line_1 = g->k[1] + g->e_2[1] * theta[1].v - d_1_1;
+    const double d2 = line_0 * line_0 + line_1 * line_1;
+    const double h2 = 0.5 * (d2 + g->k[2] - g->k[3]);
+    const double h1 = 1.0 / d2;
+    const double along = h2 * h1;
+    const double h2_a = g->k[2] * h1 - along * along;
+    const double across = sqrt(h2_a);
+    const double t1 = line_0 * along;
+    const double t2 = line_1 * across;
+    const double meeting_0 = t1 - t2;
+    const double t3 = line_0 * across;
+    const double t4 = line_1 * along;
+    const double meeting_1 = t3 + t4;
+    const double r_0 = d_1_0 + meeting_0;
+    const double r_1 = d_1_1 + meeting_1;
+    const double meeting_0_a = t1 + t2;
+    const double meeting_1_a = t4 - t3;
+    const double r_0_a = d_1_0 + meeting_0_a;
+    const double r_1_a = d_1_1 + meeting_1_a;
+    const double h3 = 1.0 / across;
+    s[0].v = r_0;
+    s[1].v = r_1;
+    s[2].v = r_0_a;
+    s[3].v = r_1_a;
+    radicand[0].v = h2_a;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t5 = g->e_1[0] * theta[0].t[k];
+        const double t6 = g->e_1[1] * theta[0].t[k];
+        const double t7 = g->e_2[0] * theta[1].t[k] - t5;
+        const double t8 = g->e_2[1] * theta[1].t[k] - t6;
+        const double t9 = line_0 * t7;
+        const double t10 = line_1 * t8;
+        const double t11 = t9 + t9 + (t10 + t10);
+        const double t12 = h1 * (h1 * t11);
+        const double t13 = h1 * (0.5 * t11) - h2 * t12;
+        const double t14 = along * t13;
+        const double t15 = g->k[2] * t12 + (t14 + t14);
+        const double t16 = h3 * (0.5 * t15);
+        const double t17 = along * t7 + line_0 * t13;
+        const double t18 = across * t8 - line_1 * t16;
+        const double t19 = across * t7 - line_0 * t16;
+        const double t20 = along * t8 + line_1 * t13;
+        s[0].t[k] = t5 + (t17 - t18);
+        s[1].t[k] = t6 + (t19 + t20);
+        s[2].t[k] = t5 + (t17 + t18);
+        s[3].t[k] = t6 + (t20 - t19);
+        radicand[0].t[k] = -t15;
+    }
+}
+
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (20
  * add, 28 multiply, 2 divide, 2 square root) */
 static inline void krhpr_subleg_planar_prr2_inverse_tangent(

@@ -95,6 +95,54 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture_tangent(
     }
 }
 
+/* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (20 add,
+ * 22 multiply, 1 divide, 1 square root) */
+static inline void krhpr_subleg_planar_rpr2_forward_all_tangent(
+    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    const double t1 = theta[0].v * theta[0].v;
+    const double along = 0.5 * (g->k[0] + t1 - theta[1].v * theta[1].v) * g->k[1];
+    const double h2 = t1 * g->k[1] - along * along;
+    const double across = sqrt(h2);
+    const double t2 = g->o_12[0] * along;
+    const double t3 = g->o_12[1] * across;
+    const double meeting_0 = t2 - t3;
+    const double t4 = g->o_12[0] * across;
+    const double t5 = g->o_12[1] * along;
+    const double meeting_1 = t4 + t5;
+    const double r_0 = g->o[0] + meeting_0;
+    const double r_1 = g->o[1] + meeting_1;
+    const double meeting_0_a = t2 + t3;
+    const double meeting_1_a = t5 - t4;
+    const double r_0_a = g->o[0] + meeting_0_a;
+    const double r_1_a = g->o[1] + meeting_1_a;
+    const double h1 = 1.0 / across;
+    s[0].v = r_0;
+    s[1].v = r_1;
+    s[2].v = r_0_a;
+    s[3].v = r_1_a;
+    radicand[0].v = h2;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t6 = theta[0].v * theta[0].t[k];
+        const double t7 = t6 + t6;
+        const double t8 = theta[1].v * theta[1].t[k];
+        const double t9 = g->k[1] * (0.5 * (t7 - (t8 + t8)));
+        const double t10 = along * t9;
+        const double t11 = g->k[1] * t7 - (t10 + t10);
+        const double t12 = h1 * (0.5 * t11);
+        const double t13 = g->o_12[0] * t9;
+        const double t14 = g->o_12[1] * t12;
+        const double t15 = g->o_12[0] * t12;
+        const double t16 = g->o_12[1] * t9;
+        s[0].t[k] = t13 - t14;
+        s[1].t[k] = t15 + t16;
+        s[2].t[k] = t13 + t14;
+        s[3].t[k] = t16 - t15;
+        radicand[0].t[k] = t11;
+    }
+}
+
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (12
  * add, 12 multiply, 2 divide, 2 square root) */
 static inline void krhpr_subleg_planar_rpr2_inverse_tangent(

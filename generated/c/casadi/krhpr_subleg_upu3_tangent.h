@@ -78,6 +78,62 @@ static inline void krhpr_subleg_upu3_forward_posture_tangent(
     }
 }
 
+/* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (39 add,
+ * 44 multiply, 1 divide, 1 square root) */
+static inline void krhpr_subleg_upu3_forward_all_tangent(
+    const krhpr_subleg_upu3_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    const double t1 = theta[0].v * theta[0].v;
+    const double t2 = 0.5 * t1;
+    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1].v * theta[1].v);
+    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2].v * theta[2].v);
+    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6];
+    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
+    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
+    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double height = sqrt(h2);
+    const double t3 = g->g[0] + foot_0;
+    const double t4 = g->k[0] * height;
+    const double t5 = g->g[1] + foot_1;
+    const double t6 = g->g[2] + foot_2;
+    const double t7 = g->k[1] * height;
+    const double h1 = 1.0 / height;
+    s[0].v = t3 + t4;
+    s[1].v = t4 + t5;
+    s[2].v = t6 + t7;
+    s[3].v = t3 - t4;
+    s[4].v = t5 - t4;
+    s[5].v = t6 - t7;
+    radicand[0].v = h2;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t8 = theta[0].v * theta[0].t[k];
+        const double t9 = t8 + t8;
+        const double t10 = 0.5 * t9;
+        const double t11 = theta[1].v * theta[1].t[k];
+        const double t12 = t10 - 0.5 * (t11 + t11);
+        const double t13 = theta[2].v * theta[2].t[k];
+        const double t14 = t10 - 0.5 * (t13 + t13);
+        const double t15 = g->k[6] * (g->k[4] * t12 + g->k[5] * t14);
+        const double t16 = g->k[6] * (g->k[7] * t12 + g->k[8] * t14);
+        const double t17 = g->k[6] * (g->k[0] * t12 + g->k[0] * t14);
+        const double t18 = foot_0 * t15;
+        const double t19 = foot_1 * t16;
+        const double t20 = foot_2 * t17;
+        const double t21 = g->k[6] * (t9 - (t18 + t18) - (t19 + t19) - (t20 + t20));
+        const double t22 = h1 * (0.5 * t21);
+        const double t23 = g->k[0] * t22;
+        const double t24 = g->k[1] * t22;
+        s[0].t[k] = t15 + t23;
+        s[1].t[k] = t16 + t23;
+        s[2].t[k] = t17 + t24;
+        s[3].t[k] = t15 - t23;
+        s[4].t[k] = t16 - t23;
+        s[5].t[k] = t17 - t24;
+        radicand[0].t[k] = t21;
+    }
+}
+
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (30 add,
  * 24 multiply, 3 divide, 3 square root) */
 static inline void krhpr_subleg_upu3_inverse_tangent(

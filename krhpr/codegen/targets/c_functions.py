@@ -11,6 +11,7 @@ from krhpr.codegen.composition import (
     Call,
     EachRoot,
     Guard,
+    Only,
     Relation,
     Repeat,
     RobotCode,
@@ -73,13 +74,19 @@ class FunctionView:
     in_sizes: tuple[int, ...]
     out_sizes: tuple[int, ...]
 
+    @property
+    def has_roots(self) -> bool:
+        """Whether it needs the roots of a polynomial."""
+        return self.at_roots is not None or any(call.at_roots for call in self.leg_calls)
+
 
 @dataclass(frozen=True)
 class LegCall:
-    """A statement for each leg: the call of a kernel, or an iteration around it."""
+    """A statement for each leg: the call of a kernel, an iteration around it, or a loop over roots."""
 
     text: str
     iteration: Iteration | None = None
+    at_roots: AtRoots | None = None
 
 
 @dataclass(frozen=True)
@@ -98,6 +105,15 @@ class Iteration:
 
 
 @dataclass(frozen=True)
+class Row:
+    """What a kernel gives at a root: its name, where solutions are collected, and the elements of one."""
+
+    name: str
+    target: str
+    size: int
+
+
+@dataclass(frozen=True)
 class AtRoots:
     """A kernel called at every root of a polynomial: its call, what is collected, and its arctangents."""
 
@@ -109,11 +125,16 @@ class AtRoots:
     miss: str
     tolerance: str
     order: str
+    order_at: str
     count: str
     doubtful: str
     found: str
-    rows: tuple[tuple[str, int], ...]
-    """Outputs and the elements of one solution."""
+    only: Only | None
+    certificate_size: int
+    rows: tuple[Row, ...]
+    """What the kernel gives."""
+    copies: tuple[Row, ...]
+    """What of it is an output."""
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
 
@@ -264,7 +285,11 @@ class _Plan:
             self._iterate(call, call.repeat, part, phases)
             return
         if call.each is not None:
-            self.at_roots = self._at_roots(call, call.each, part, phases)
+            found = self._at_roots(call, call.each, part, phases)
+            if call.stage is Stage.LEG:
+                self.leg_calls.append(LegCall("", at_roots=found))
+            else:
+                self.at_roots = found
             return
         special = self._angles(call, part, phases)
         special |= self._tails(call, phases)
@@ -303,8 +328,9 @@ class _Plan:
         if phases.angles is not None:
             raise ValueError(f"{part.name}.{call.kernel}: sines at roots come too late")
         kernel = part.kernel(call.kernel)
-        rows = tuple((call.variable_out(p.name), p.size) for p in kernel.outputs if p.name != each.miss)
-        special = {name: f"{name}_at" for name, _ in rows}
+        names = {call.variable_out(port.name): port.size for port in kernel.outputs if port.name != each.miss}
+        rows = tuple(Row(name, self._collected(name, call.stage), size) for name, size in names.items())
+        special = {name: f"{name}_at" for name in names}
         special |= {"tail_y": "root_tail_y", "tail_x": "root_tail_x"}
         stores = [
             (f"{call.variable_out(tail.port.name)}_at[{index}]", f"root_tail[{slot}]")
@@ -322,13 +348,32 @@ class _Plan:
             miss=each.miss,
             tolerance=repr(each.tolerance),
             order=each.order,
-            count=each.count,
-            doubtful=each.doubtful,
-            found=each.found,
+            order_at=self._order(each.order, call.stage),
+            count=self._number(each.count, call.stage),
+            doubtful=self._number(each.doubtful, call.stage) if each.only is None else "",
+            found=self._number(each.found, call.stage) if each.only is None else "",
+            only=each.only,
+            certificate_size=self.known[each.only.certificate].port.size if each.only else 0,
             rows=rows,
+            copies=tuple(row for row in rows if self.known[row.name].kind == "output"),
             tail_count=phases.tail_size,
             tail_stores=tuple(stores),
         )
+
+    def _collected(self, name: str, stage: Stage) -> str:
+        """Where solutions are collected."""
+        port = self.known[name].port
+        return f"{name} + {port.size} * i" if stage is Stage.LEG else name
+
+    def _order(self, name: str, stage: Stage) -> str:
+        """The value that orders the solution number `below`."""
+        return f"{name}[{self.known[name].port.size} * i + below]" if stage is Stage.LEG else f"{name}[below]"
+
+    def _number(self, name: str, stage: Stage) -> str:
+        """A number of the platform, or of a leg, as what is assigned to."""
+        if stage is Stage.LEG:
+            return f"{name}[i]"
+        return f"*{name}" if self.known[name].kind == "output" else f"{name}[0]"
 
     def _angles(self, call: Call, part: Part, phases: Phases) -> dict[str, str]:
         """Where the body finds its sines and cosines; the angles are computed before."""

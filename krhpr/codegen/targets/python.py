@@ -135,7 +135,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
     read = function.read(robot.parts, guards=True)
     per_leg = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
-    optional = {name: f"({value},) * 3" for name, value in per_leg.items()}
+    optional = {name: f"({value},) * 3" for name, value in per_leg.items()} | {"box": "DEFAULT_BOX"}
     optional |= dict.fromkeys(SIGNS, "1.0")
     present = [port.name for port in function.inputs if port.name in optional]
     return {
@@ -190,7 +190,7 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [name if name in read else f"_{name}" for name in names]
     if call.each is not None:
-        return _at_roots(call, call.each, kernel, arguments)
+        return _at_roots(call, call.each, kernel, arguments, names)
     if call.repeat is not None:
         return _iteration(call, call.repeat, kernel, arguments, names)
     return broken(f"{', '.join(names)} = {call.part}.{kernel.name}", arguments, indent=8)
@@ -209,15 +209,21 @@ def _iteration(call: Call, repeat: Repeat, kernel: Kernel, arguments: list[str],
     )
 
 
-def _at_roots(call: Call, each: EachRoot, kernel: Kernel, arguments: list[str]) -> str:
+def _at_roots(call: Call, each: EachRoot, kernel: Kernel, arguments: list[str], names: list[str]) -> str:
     """The kernel at every root of a polynomial, by the runtime."""
     ports = [port.name for port in kernel.outputs]
     if ports[-1] != each.miss:
         raise ValueError(f"{call.part}.{kernel.name}: its last output is {ports[-1]}, not {each.miss}")
-    names = [*map(call.variable_out, ports[:-1]), each.count, each.doubtful, each.found]
+    names = [*names[:-1], *each.numbers, *(name for name, _ in each.locals)]
     step = f"lambda root: {call.part}.{kernel.name}({', '.join(arguments)})"
-    rest = [each.polynomial, repr(each.error), repr(each.tolerance), str(ports.index(each.order))]
-    return broken(f"{', '.join(names)} = rt.at_roots", [step, *rest], indent=8)
+    rest = [each.polynomial, repr(each.error), repr(each.tolerance)]
+    if each.only is None:
+        return broken(
+            f"{', '.join(names)} = rt.at_roots", [step, *rest, str(ports.index(each.order))], indent=8
+        )
+    only = each.only
+    rest += [str(ports.index(only.angles)), f'arguments.whole("{only.box}")', only.certificate]
+    return broken(f"{', '.join(names)} = rt.only_root", [step, *rest], indent=8)
 
 
 def _argument(variable: Variable, stage: Stage) -> str:

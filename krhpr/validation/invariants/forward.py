@@ -63,8 +63,13 @@ def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     """Each leg in the assembly mode that leads to its end point."""
     side = np.sign(call(one, batch, "type_2_of_redundant")["margins"][:, 0])
     assembly = _assembly(one, batch)
-    result = call(one, batch, "forward", side=side, **assembly)
     whole = batch.changed(side=side, **assembly)
+    result = call(one, whole, "forward")
+    found.worse((result["count"] < 1).astype(float), "count")
+    if "box" in {port.name for port in one.subject.code.function("forward").inputs}:
+        low, high = np.moveaxis(batch.values["box"], -1, 0)
+        outside = (result["redundant"] < low) | (result["redundant"] > high)
+        found.worse(outside.astype(float), "a redundant angle is outside the box")
     growth = condition(one.subject.code.function("forward"), whole, found.check.seed)
     found.worse(_distance(batch, result) / growth, "pose")
 

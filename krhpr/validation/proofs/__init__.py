@@ -6,7 +6,13 @@ one random rational point holds everywhere, but for a chance that the next point
 """
 
 from krhpr.validation.outcome import Runner
-from krhpr.validation.proofs import forward, platforms, robots, sublegs
+from krhpr.validation.proofs import assemblies, forward, platforms, robots, sublegs
 
-RUNNERS: dict[str, Runner] = {**sublegs.RUNNERS, **platforms.RUNNERS, **robots.RUNNERS, **forward.RUNNERS}
+RUNNERS: dict[str, Runner] = {
+    **sublegs.RUNNERS,
+    **assemblies.RUNNERS,
+    **platforms.RUNNERS,
+    **robots.RUNNERS,
+    **forward.RUNNERS,
+}
 """The code of each proof by its name in the plan."""

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
-from math import prod
+from math import prod, radians
 from typing import Any
+
+import numpy as np
 
 from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
+from krhpr.validation.linear import dot
 from krhpr.validation.numbers import Ball, ball_precision, same
 from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.sampling import draw_geometry
 from krhpr.validation.subject import Subject
 
 
@@ -83,10 +88,10 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
             for _ in range(3):
                 T = Ball(source.nonzero())
                 wanted = _by_definition(inputs["anchor"], inputs["length"], result["points"], T)
-                found.equal([_value(result["sextic"], T, Ball(1))], [wanted], "the sextic at any T")
+                found.equal([value(result["sextic"], T, Ball(1))], [wanted], "the sextic at any T")
             cosine, sine = _turn(here, result)
             root = [sine, cosine + Ball(1)]  # tan(phi / 2) = sin / (1 + cos)
-            found.equal([_value(result["sextic"], *root)], [Ball(0)], "the pose is a root")
+            found.equal([value(result["sextic"], *root)], [Ball(0)], "the pose is a root")
             inputs["root"] = root
             inputs |= {name: result[name] for name in ("points", "axes") if name in result}
             pose = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
@@ -103,13 +108,116 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+def unique_in_the_box(subject: Subject, check: Check, count: int) -> Measured:
+    """What the theorem of errata 4 rests on, and that the kernel looks at each of its conditions."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for _ in range(count):
+            drawn = draw_geometry(subject, np.random.default_rng(source.random.randrange(1 << 30)), 0.2)
+            general = {name: [Ball(x) for x in values] for name, values in drawn.items()}
+            angles = [source.random.uniform(-3, 3) for _ in range(3)]
+            diagonal, next_to_it, det_J = _distances(subject, general, angles)
+            found.equal([prod(diagonal) + prod(next_to_it)], [det_J * Ball(-8)], "determinant")
+            radius = source.random.uniform(0.1, 0.3)
+            equal = {**general, **_equilateral(radius, radius * source.random.uniform(0.1, 0.7499))}
+            angles = [source.random.uniform(LOW, HIGH) for _ in range(3)]
+            diagonal, _, det_J = _distances(subject, equal, angles)
+            positive = [x.to_float() > 0 for x in (*diagonal, -det_J)]
+            found.equal([Ball(int(all(positive)))], [Ball(1)], "the minors are positive in the box")
+            for name, sizes, box, holds in _conditions(source, radius, equal):
+                ties = subject.ties({**equal, **sizes}, BALLS)
+                inputs = {**ties, "box": [Ball(x) for x in box]}
+                margins = subject.kernel("platform", "uniqueness", inputs, equal, 0, BALLS)["certificate"]
+                said = all(margin.to_float() >= 0 for margin in margins)
+                found.equal([Ball(int(said))], [Ball(int(holds))], name)
+            found.samples += 1
+    return found
+
+
+LOW, HIGH = radians(30), radians(150)
+
+
+def _equilateral(radius: float, length: float) -> dict[str, list[Any]]:
+    return {
+        "platform_azimuth": [Ball(radians(120 * leg)) for leg in range(3)],
+        "R_p": [Ball(radius)] * 3,
+        "l_r": [Ball(length)] * 3,
+    }
+
+
+Box = list[float]
+
+
+def _conditions(
+    source: Draw, radius: float, sizes: dict[str, list[Any]]
+) -> Iterator[tuple[str, dict[str, list[Any]], Box, bool]]:
+    """Each condition of the theorem violated by itself, and none."""
+    whole = [LOW + 1e-12, HIGH - 1e-12] * 3
+    leg, off = source.random.randrange(3), source.random.uniform(1e-6, 0.1)
+
+    def changed(name: str, factor: float = 1.0, term: float = 0.0) -> dict[str, list[Any]]:
+        values = [x * Ball(factor) + Ball(term) if i == leg else x for i, x in enumerate(sizes[name])]
+        return {name: values}
+
+    narrow = [LOW + off if place % 2 == 0 else HIGH - off for place in range(6)]
+    yield "the theorem holds", {}, whole, True
+    yield "in a smaller box too", {}, narrow, True
+    for name in ("l_r", "R_p"):
+        yield f"{name} of one leg differs", changed(name, 1 + off), whole, False
+    yield "an azimuth differs", changed("platform_azimuth", term=off), whole, False
+    yield "links too long", {"l_r": [Ball(0.75 * radius * (1 + off))] * 3}, whole, False
+    clockwise = [Ball(radians(-120 * place)) for place in range(3)]
+    yield "legs in the other order", {"platform_azimuth": clockwise}, whole, False
+    for place, by in ((2 * leg, -off), (2 * leg + 1, off)):
+        wider = [bound + by if index == place else bound for index, bound in enumerate(whole)]
+        yield "a wider box", {}, wider, False
+
+
+def _distances(
+    subject: Subject, geometry: dict[str, list[Any]], angles: list[float]
+) -> tuple[list[Any], list[Any], Any]:
+    """Derivatives of |S_i S_i+1|^2 with respect to beta_i and to beta_i+1, and det J."""
+
+    def ends(by: float) -> list[list[Any]]:
+        turn = Ball.pi() * Ball(by)
+        values = {"redundant": [Ball(angle) + turn for angle in angles], "p": [Ball(0)] * 3}
+        values["Q"] = [Ball(int(i == j)) for i in range(3) for j in range(3)]
+        if subject.planar:
+            values |= {"p": [Ball(0)] * 2, "phi": [Ball(0)]}
+        s = subject.call("end_points", values, geometry, BALLS)["s"]
+        size = len(s) // 3
+        return [s[size * leg : size * (leg + 1)] for leg in range(3)]
+
+    here, quarter, opposite = ends(0), ends(0.5), ends(1)
+    half = Ball(Fraction(1, 2))
+    # each link turns about the middle between S_i and its opposite
+    slopes = [
+        [q - (a + b) * half for q, a, b in zip(quarter[i], here[i], opposite[i], strict=True)]
+        for i in range(3)
+    ]
+    first, second = [], []
+    for i in range(3):
+        j = (i + 1) % 3
+        gap = [a - b for a, b in zip(here[i], here[j], strict=True)]
+        first.append(Ball(2) * dot(gap, slopes[i]))
+        second.append(Ball(-2) * dot(gap, slopes[j]))
+    values = {"redundant": [Ball(angle) for angle in angles]}
+    factors = subject.call("type_2_of_redundant", values, geometry, BALLS)["type_2"]
+    det_J = prod(factors, start=Ball(1))
+    if subject.planar:  # only the factor in the plane
+        (a, b, c) = here
+        det_J = det_J * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    return first, second, det_J
+
+
 def _det_J(here: Configuration, redundant: list[Any]) -> Any:
     """det J from its factors, which depend on the redundant coordinates alone."""
     factors = here.call("type_2_of_redundant", redundant=redundant)["type_2"]
     return prod(factors, start=Ball(1))
 
 
-def _value(coefficients: list[Any], x: Any, y: Any) -> Any:
+def value(coefficients: list[Any], x: Any, y: Any) -> Any:
     """A polynomial in T = x / y, times a power of y."""
     total: Any = Ball(0)
     for power, coefficient in enumerate(coefficients):
@@ -153,5 +261,6 @@ def _by_definition(anchors: list[Any], lengths: list[Any], points: list[Any], T:
 RUNNERS: dict[str, Runner] = {
     "assembly modes close": assembly_modes,
     "the mode on one side": mode_on_one_side,
+    "unique in the box": unique_in_the_box,
     "sextic": sextic,
 }

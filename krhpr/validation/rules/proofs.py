@@ -95,6 +95,23 @@ SUBLEG_PROOFS = (
         ("forward_posture", "posture"),
     ),
     Proof(
+        "every assembly mode",
+        "forward_all",
+        EXACT,
+        MANY,
+        "`forward_all` has what `forward` gives in each assembly mode; each satisfies the closure, and one "
+        "is the end point.",
+    ),
+    Proof(
+        "octic",
+        "octic",
+        EXACT,
+        MANY,
+        "The octic is Sylvester's determinant of the closure of two chains along a line of the first one's "
+        "cylinder, at any T; the end point is one of its roots, and the kernel gives it back there.",
+        ("at_root",),
+    ),
+    Proof(
         "inverse closes",
         "inverse",
         BALL,
@@ -263,6 +280,18 @@ ROBOT_PROOFS = (
         FEW,
         "The solution on a side of type II is that one of all whose first margin has the sign of the side.",
         ("forward_all", "platform.assembly_mode"),
+        needs="platform.assembly_mode",
+    ),
+    Proof(
+        "unique in the box",
+        "forward",
+        BALL,
+        FEW,
+        "The squared distances of the end points, as functions of the redundant angles, have a Jacobian with "
+        "the determinant -8 det J whose principal minors are products of its diagonal, for any sizes; the "
+        "diagonal is positive where the certificate holds, and each of its conditions is looked at.",
+        ("end_points", "type_2_of_redundant", "platform.uniqueness"),
+        needs="platform.uniqueness",
     ),
     Proof(
         "assembly modes close",
