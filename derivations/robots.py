@@ -13,23 +13,16 @@ from dataclasses import dataclass, replace
 from krhpr.codegen.composition import (
     SINGULAR_TOLERANCE,
     Call,
-    EachRoot,
     Guard,
-    Only,
     Relation,
-    Repeat,
     RobotFunction,
     Stage,
     Status,
 )
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
-from krhpr.derivations.platforms.forward import BOX, CERTIFIED, SIDE, TURNED, forward_ports
-from krhpr.derivations.platforms.forward_revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
+from krhpr.derivations.robot_forward import ForwardFunctions
 from krhpr.derivations.sublegs.base import SubLeg
-from krhpr.derivations.sublegs.cpr_forward import DEGREE as OCTIC_DEGREE
-from krhpr.derivations.sublegs.cpr_forward import MISS_TOLERANCE as OCTIC_MISS
-from krhpr.derivations.sublegs.cpr_forward import OCTIC, OCTIC_ERROR, octic_ports
 from krhpr.derivations.terms import Space
 
 
@@ -68,16 +61,8 @@ class Robot:
         return tuple(_Functions(self).all())
 
 
-class _Functions:
-    """Builds the functions of one robot from its ports."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-        self.leg = robot.subleg.ports()
-        self.plate = robot.platform.ports()
-        self.planar = robot.space is Space.PLANAR
-        phi = Port("phi", (), Unit.RADIAN, Frame.BASE, "orientation of the platform, base from platform")
-        self.pose = (self.plate.p, phi if self.planar else self.plate.Q)
+class _Functions(ForwardFunctions):
+    """Every function of one robot."""
 
     def all(self) -> Iterable[RobotFunction]:
         if not self.planar:
@@ -116,49 +101,13 @@ class _Functions:
         else:
             yield self._forward_at_roots()
             yield self._forward_only()
-
-    # -- pieces ---------------------------------------------------------------------------------------------
-
-    def _function(
-        self,
-        name: str,
-        doc: str,
-        equations: str,
-        inputs: tuple[Port, ...],
-        outputs: tuple[Port, ...],
-        calls: tuple[Call, ...],
-        guards: tuple[Guard, ...] = (),
-    ) -> RobotFunction:
-        if self.planar and any(port.name == "phi" for port in inputs):
-            calls = (Call(Stage.SHARED, "algebra", "rotation", {}, {}), *calls)
-        return RobotFunction(name, doc, equations, inputs, outputs, calls, guards)
-
-    @staticmethod
-    def _on_leg(part: str, kernel: str, outputs: dict[str, str] | None = None, **inputs: str) -> Call:
-        return Call(Stage.LEG, part, kernel, inputs, outputs or {})
-
-    def _posture(self) -> Call:
-        """Sines and cosines of the leg's joints and its vectors, for the kernels that follow."""
-        return self._on_leg("subleg", "posture")
-
-    def _parallel_guard(self, variable: str = "regularity") -> tuple[Guard, ...]:
-        """A sub-leg with a closed loop has configurations in which M_i does not exist."""
-        if not self.robot.subleg.has_parallel_factors():
-            return ()
-        return (Guard(variable, 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
-
-    def _serial_guard(self) -> tuple[Guard, ...]:
-        """Where a sub-leg's actuators cannot give its end point every velocity."""
-        if not self.robot.subleg.has_serial_factors():
-            return ()
-        return (Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE, Status.SINGULAR_LEG_1),)
-
-    def _platform_guards(self) -> tuple[Guard, ...]:
-        limit = SINGULAR_TOLERANCE**2  # the kernel gives squares
-        guards = [Guard("det_regularity", 0, Relation.AT_LEAST, limit, Status.SINGULAR_IN_PLANE)]
-        if not self.planar:
-            guards.append(Guard("det_regularity", 1, Relation.AT_LEAST, limit, Status.SINGULAR_NORMAL))
-        return tuple(guards)
+            yield self._forward_newton()
+            yield self._forward_one_encoder()
+        yield self._forward_encoders(2)
+        yield self._forward_encoders(3)
+        if not self.robot.platform.closed_forward:
+            yield self._forward_gauss_newton(2)
+        yield self._forward_gauss_newton(3)
 
     # -- position -------------------------------------------------------------------------------------------
 
@@ -192,62 +141,6 @@ class _Functions:
             (self.plate.redundant,),
             (self._on_leg("platform", "redundant"),),
         )
-
-    def _subleg_forward(self) -> RobotFunction:
-        subleg = self.robot.subleg
-        doc = "End points of the sub-legs from the actuated joints."
-        call = self._on_leg("subleg", "forward")
-        guards: tuple[Guard, ...] = ()
-        if not subleg.has_forward:
-            doc += "  Newton steps from s_near; NaN where they do not converge."
-            call, guards = self._newton("forward_step", self.leg.s, "s_near")
-        elif subleg.forward_signs or subleg.forward_near or subleg.has_loops():
-            doc += "  A closed loop that cannot close gives NaN."
-            guards = (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),)
-        inputs = (self.leg.theta, *self.leg.forward_choice)
-        return self._function("subleg_forward", doc, "3.5", inputs, (self.leg.s,), (call,), guards)
-
-    def _subleg_forward_all(self) -> RobotFunction:
-        doc = "End points of the sub-legs in every assembly mode, from the actuated joints"
-        if self.robot.subleg.has_forward:
-            return self._function(
-                "subleg_forward_all",
-                f"{doc}; NaN where the loop cannot close.",
-                "3.5",
-                (self.leg.theta,),
-                (self.leg.s_all,),
-                (self._on_leg("subleg", "forward_all"),),
-                (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
-            )
-        return self._subleg_at_roots(doc)
-
-    def _subleg_at_roots(self, doc: str) -> RobotFunction:
-        """Where the assembly modes are the roots of a polynomial, of the 3-CPR's octic."""
-        ports = octic_ports(self.robot.subleg)
-        each = EachRoot(OCTIC.name, OCTIC_DEGREE, OCTIC_ERROR, OCTIC_MISS, ports.volume.name)
-        return self._function(
-            "subleg_forward_all",
-            f"{doc}: the real roots of an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two "
-            "all but coincide, or share the angle about axis 1, they are left out and said to be in doubt.",
-            "2.4.3",
-            (self.leg.theta,),
-            (ports.s, ports.volume, ports.count, ports.doubtful),
-            (
-                self._on_leg("subleg", "octic"),
-                Call(Stage.LEG, "subleg", "at_root", {}, {}, each=each),
-            ),
-            (Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.UNREACHABLE_LEG_1, spoils=("s", "volume")),),
-        )
-
-    def _newton(self, kernel: str, unknown: Port, start: str) -> tuple[Call, tuple[Guard, ...]]:
-        """A bounded Newton iteration on each leg's loop closure, and the guard that says whether it
-        converged.
-        """
-        name = unknown.name
-        repeat = Repeat(before=name, after=f"{name}_next", start=start, change="change")
-        call = Call(Stage.LEG, "subleg", kernel, {}, {f"{name}_next": name}, repeat)
-        guard = Guard("change", 0, Relation.AT_MOST, repeat.tolerance, Status.NO_CONVERGENCE)
-        return call, (guard,)
 
     def _subleg_inverse(self) -> RobotFunction:
         return self._function(
@@ -599,122 +492,3 @@ class _Functions:
                 Call(Stage.PLATFORM, "platform", "type_2", {}, {}),
             ),
         )
-
-    # -- forward kinematics ---------------------------------------------------------------------------------
-
-    def _forward_all(self) -> RobotFunction:
-        ports = forward_ports(self.robot.space, self.plate.redundant, 2)
-        outputs = (ports.p, ports.orientation, ports.redundant, ports.det_J, ports.count)
-        return self._function(
-            "forward_all",
-            "Every pose of the platform that holds the end points of the sub-legs, with its redundant "
-            "coordinates: two, in closed form, with opposite det J, first the one whose first margin is "
-            "positive.",
-            "3.6; 3.2 for arrangement (a)",
-            (self.leg.s, *(() if self.planar else (TURNED,))),
-            outputs,
-            (
-                self._on_leg("platform", "tie"),
-                Call(Stage.PLATFORM, "platform", "assembly_modes", {}, {}),
-            ),
-            tuple(
-                replace(guard, empties=(ports.count.name,))
-                for guard in (*([] if self.planar else [self._sign_guard()]), *self._assembly_guards())
-            ),
-        )
-
-    def _forward_at_roots(self) -> RobotFunction:
-        ports = forward_ports(self.robot.space, self.plate.redundant, DEGREE)
-        doubtful = Port(
-            "doubtful", (), Unit.NONE, Frame.NONE, "1 where there may be further solutions, else 0"
-        )
-        each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name)
-        guards = [
-            Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
-            *([] if self.planar else [self._sign_guard(), self._flatness_guard()]),
-        ]
-        empties = (ports.count.name, doubtful.name)
-        return self._function(
-            "forward_all",
-            "Every pose of the platform that holds the end points of the sub-legs, with its redundant "
-            "coordinates: the real roots of a sextic, two to six, in the order of det J.  Where two all but "
-            "coincide they are left out and said to be in doubt.",
-            "3.2.1",
-            (self.leg.s, *(() if self.planar else (TURNED,))),
-            (ports.p, ports.orientation, ports.redundant, ports.det_J, ports.count, doubtful),
-            (
-                self._on_leg("platform", "tie"),
-                Call(Stage.PLATFORM, "platform", "sextic", {}, {}),
-                Call(Stage.PLATFORM, "platform", "assembly", {}, {}, each=each),
-            ),
-            tuple(replace(guard, empties=empties) for guard in reversed(guards)),
-        )
-
-    def _forward_only(self) -> RobotFunction:
-        subleg = self._subleg_forward()
-        ports = forward_ports(self.robot.space, self.plate.redundant, 0)
-        only = Only()
-        each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name, only=only)
-        family = () if self.planar else (TURNED,)
-        guards = [
-            *([] if self.planar else [self._sign_guard(), self._flatness_guard()]),
-            Guard(only.inside, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
-            Guard(only.ambiguous, 0, Relation.AT_MOST, 0.0, Status.AMBIGUOUS),
-        ]
-        empties = (ports.count.name, CERTIFIED.name)
-        return self._function(
-            "forward",
-            "The pose of the platform and the redundant coordinates from the actuated joints alone: the only "
-            "solution with its redundant angles in the box, without a guess or an extra encoder.  That it is "
-            "the only one is certain for equilateral platforms with equal links l < 3 R_p / 4 and a box "
-            "within (30, 150) deg.",
-            "3.2.1",
-            (*subleg.inputs, BOX, *family),
-            (ports.p, ports.orientation, ports.redundant, ports.count, CERTIFIED),
-            (
-                *subleg.calls,
-                self._on_leg("platform", "tie"),
-                Call(Stage.PLATFORM, "platform", "uniqueness", {}, {}),
-                Call(Stage.PLATFORM, "platform", "sextic", {}, {}),
-                Call(Stage.PLATFORM, "platform", "assembly", {}, {}, each=each),
-            ),
-            (*subleg.guards, *(replace(guard, empties=empties) for guard in guards)),
-        )
-
-    def _forward(self) -> RobotFunction:
-        subleg = self._subleg_forward()
-        ports = forward_ports(self.robot.space, self.plate.redundant, 0)
-        return self._function(
-            "forward",
-            "The pose of the platform and the redundant coordinates from the actuated joints alone, unique "
-            "on the known side of type II: no guess and no extra encoder.",
-            "3.6",
-            (*subleg.inputs, SIDE),
-            (ports.p, ports.orientation, ports.redundant, ports.count, CERTIFIED),
-            (
-                *subleg.calls,
-                self._on_leg("platform", "tie"),
-                Call(Stage.PLATFORM, "platform", "assembly_mode", {}, {"radicand": "assembly_radicand"}),
-            ),
-            (*subleg.guards, self._sign_guard(), *self._assembly_guards("assembly_radicand")),
-        )
-
-    def _assembly_guards(self, radicand: str = "radicand") -> tuple[Guard, ...]:
-        limit = SINGULAR_TOLERANCE**2  # the kernel gives squares
-        guards = [
-            Guard("breadth", 0, Relation.AT_LEAST, limit, Status.SINGULAR_IN_PLANE),
-            Guard(radicand, 0, Relation.AT_LEAST, 0.0, Status.NO_ASSEMBLY),
-        ]
-        if not self.planar:
-            guards.insert(0, self._flatness_guard())
-        return tuple(guards)
-
-    @staticmethod
-    def _sign_guard() -> Guard:
-        """Where a sign that is given is none there is no platform of that kind."""
-        return Guard("sign", 0, Relation.AT_LEAST, 0.5, Status.NO_ASSEMBLY)
-
-    @staticmethod
-    def _flatness_guard() -> Guard:
-        """Where the end points are collinear they span no plane."""
-        return Guard("flatness", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE**2, Status.SINGULAR_NORMAL)

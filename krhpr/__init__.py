@@ -17,7 +17,9 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from krhpr.errors import (
+        Ambiguous,
         GeneratedMismatch,
+        Inconsistent,
         InvalidInput,
         KrhprError,
         NoConvergence,
@@ -48,6 +50,8 @@ _HOME = {
     "RobotFileWarning": "krhpr.robot_files.problems",
     "Singular": "krhpr.errors",
     "Status": "krhpr.generated.python.runtime",
+    "Ambiguous": "krhpr.errors",
+    "Inconsistent": "krhpr.errors",
     "Unassembled": "krhpr.errors",
     "UnknownBranch": "krhpr.errors",
     "UnknownRobot": "krhpr.errors",
@@ -57,9 +61,11 @@ _HOME = {
 }
 
 __all__ = [
+    "Ambiguous",
     "Cone",
     "GeneratedMismatch",
     "Geometry",
+    "Inconsistent",
     "Interval",
     "InvalidInput",
     "KrhprError",

@@ -69,6 +69,22 @@ class Unassembled(KrhprError, ValueError):
         self.index = index
 
 
+class Ambiguous(KrhprError, ValueError):
+    """Several answers that cannot be told apart; `index` is their place in the batch."""
+
+    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
+        super().__init__(message, index)
+        self.index = index
+
+
+class Inconsistent(KrhprError, ValueError):
+    """Encoders that contradict the legs; `index` is their place in the batch."""
+
+    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
+        super().__init__(message, index)
+        self.index = index
+
+
 class InvalidInput(KrhprError, ValueError):
     """NaN or infinite input, or a matrix that is not a rotation; `index` is its place in the batch."""
 

@@ -14,7 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from krhpr.backend import Backend, BackendName, make_backend
-from krhpr.errors import InvalidInput, NoConvergence, Singular, Unassembled, UnknownBranch, Unreachable
+from krhpr.defaults import NUMBERS
+from krhpr.errors import (
+    Ambiguous,
+    Inconsistent,
+    InvalidInput,
+    NoConvergence,
+    Singular,
+    Unassembled,
+    UnknownBranch,
+    Unreachable,
+)
 from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 from krhpr.limits import Limits
 
@@ -496,6 +506,59 @@ class Robot:
         family = self._family("forward", turned)
         return self._answer("forward", (theta, *choice, self.box if box is None else box, *family), options)
 
+    def forward_newton(
+        self, s: ArrayLike, p_near: ArrayLike, Q_near: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """(p, Q, redundant, kantorovich) by Newton steps from a pose nearby, the previous one on a path:
+        approach two, for arrangement (a).  `kantorovich` is at most 1 where the steps are certain to
+        converge, to the only solution around.  `Q_near` is phi_near for a planar robot.
+        """
+        return self._answer("forward_newton", (s, p_near, Q_near), options)
+
+    def forward_encoders(
+        self,
+        s: ArrayLike,
+        measured: ArrayLike,
+        *,
+        tolerance: ArrayLike | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """The pose with encoders at the redundant joints of the first one, two or three legs: approaches
+        three to five, as many as `measured` (..., 1 to 3) has; arrangements (b) and (c) need two.
+
+        One encoder gives (p, Q, mismatch, other_mismatch), two or three (p, Q, raw, mismatch), with `raw` the
+        orientation before it is made a rotation.  The status is INCONSISTENT where the mismatch is larger
+        than `tolerance`, in metres; AMBIGUOUS where both solutions of one encoder are within it.
+        """
+        function = f"forward_encoders_{self._count(measured)}"
+        given = NUMBERS["tolerance"][0] if tolerance is None else tolerance
+        return self._answer(function, (s, measured, given), options)
+
+    def forward_gauss_newton(
+        self,
+        s: ArrayLike,
+        measured: ArrayLike,
+        *,
+        weights: ArrayLike | None = None,
+        tolerance: ArrayLike | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(p, Q, raw, mismatch) by Gauss-Newton with two or three encoders: approaches six and seven.
+
+        `weights` (..., 3) multiply the residuals of s_i = p + Q d_i (1/m), of the third link's length (1/m),
+        and of Q^T Q = 1: the result depends on them, and they are 1000 each unless given.
+        """
+        function = f"forward_gauss_newton_{self._count(measured)}"
+        given = NUMBERS["tolerance"][0] if tolerance is None else tolerance
+        chosen = NUMBERS["weights"] if weights is None else weights
+        return self._answer(function, (s, measured, given, chosen), options)
+
+    @staticmethod
+    def _count(measured: ArrayLike) -> int:
+        """How many encoders there are."""
+        shape = np.shape(measured)
+        return shape[-1] if shape else 1
+
     # -- how a call is made ---------------------------------------------------------------------------------
 
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
@@ -614,6 +677,18 @@ class Robot:
             raise Unassembled(
                 f"{where}: no platform of this geometry fits the three end points; check the joints and the "
                 "assembly modes of the sub-legs",
+                index,
+            )
+        if code is Status.AMBIGUOUS:
+            raise Ambiguous(
+                f"{where}: several solutions cannot be told apart; give a smaller box=..., or look at all of "
+                "them with forward_all",
+                index,
+            )
+        if code is Status.INCONSISTENT:
+            raise Inconsistent(
+                f"{where}: the measured redundant coordinates contradict the end points by more than the "
+                "tolerance; check the encoders' zeros and the assembly modes, or raise tolerance=...",
                 index,
             )
         raise Singular(f"{where}: singular configuration, {_MEANING[code]}", int(code), index)

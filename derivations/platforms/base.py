@@ -20,6 +20,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import GeometryType, Kernel
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms.forward import Hold
 from krhpr.derivations.platforms.kernels import PlatformKernels, PlatformPorts
 from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.terms import Joint, Pose, Space
@@ -107,6 +108,10 @@ class Platform(ABC):
     @abstractmethod
     def forward_kernels(self) -> tuple[Kernel, ...]:
         """Kernels of the forward kinematics: poses from the sub-legs' end points."""
+
+    @abstractmethod
+    def hold(self, k: KernelWriter, count: int) -> Hold:
+        """What encoders at the first `count` legs tell, from the legs' ties and from what is measured."""
 
     # -- what follows ---------------------------------------------------------------------------------------
 

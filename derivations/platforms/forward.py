@@ -108,6 +108,20 @@ def plane_of(k: KernelWriter, space: Space, s: Sequence[sp.Matrix], order: Any, 
 
 
 @dataclass(frozen=True)
+class Hold:
+    """What encoders at the first legs tell of the platform."""
+
+    order: Any
+    """Positive where the legs go round z'."""
+    ends: tuple[sp.Matrix, ...]
+    """d_i of the legs with encoders, from O' in the platform frame."""
+    anchors: tuple[sp.Matrix, ...] = ()
+    """b_i of all legs, where redundant links turn about them."""
+    lengths: tuple[Any, ...] = ()
+    """Their lengths."""
+
+
+@dataclass(frozen=True)
 class Mode:
     """One way to assemble the platform: its place in the plane and what follows from it."""
 

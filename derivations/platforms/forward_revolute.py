@@ -15,6 +15,7 @@ double zero there.  So every simple root is a solution, and what the elimination
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING, Any
 
@@ -151,8 +152,39 @@ def _assembly(plate: Platform) -> Kernel:
     e = [k.let(f"e_{i + 2}", lengths[i + 1] ** 2 - lengths[0] ** 2 - dot(z[i], z[i])) for i in (0, 1)]
     a_1 = k.let("a_1_0", (e[1] * (E * z[0]) - e[0] * (E * z[1])) / (2 * cross2(z[0], z[1])))
     for step in range(1, STEPS + 1):
-        cosine, sine, a_1 = _newton(k, step, cosine, sine, a_1, d, points, lengths)
-    rotated = [k.let(f"Rd_{i + 1}", turned(cosine, sine, d[i])) for i in range(3)]
+        cosine, sine, _, move = newton_step(k, f"_{step}", cosine, sine, a_1, d, points, lengths)
+        a_1 = k.let(f"a_1_{step}_on", a_1 + move)
+    mode = mode_at(k, plate.space, cosine, sine, a_1, anchors, points)
+    joint = plate.ports().redundant
+    write_modes(k, plane, [mode], joint, several=False)
+    k.add_output(forward_ports(plate.space, joint, 0).det_J, mode.det_J)
+    misses = [dot(v, v) - length**2 for v, length in zip(mode.links, lengths, strict=True)]
+    size = sum(length**2 for length in lengths)
+    k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
+    return k.kernel()
+
+
+@dataclass(frozen=True)
+class RevoluteMode(Mode):
+    """A mode with its redundant links."""
+
+    links: tuple[sp.Matrix, ...]
+    """a_i, from S_i to B_i in the plane."""
+
+
+def mode_at(
+    k: KernelWriter,
+    space: Space,
+    cosine: Any,
+    sine: Any,
+    a_1: sp.Matrix,
+    anchors: Sequence[sp.Matrix],
+    points: Sequence[sp.Matrix],
+) -> RevoluteMode:
+    """What follows from phi and a_1 = B_1 - S_1."""
+    rotated = [
+        k.let(f"Rd_{i + 1}", turned(cosine, sine, anchor - anchors[0])) for i, anchor in enumerate(anchors)
+    ]
     a = [k.let(f"a_{i + 1}", a_1 + rotated[i] - points[i], "S_i to B_i") for i in range(3)]
     position = k.let("p_l", a_1 - turned(cosine, sine, anchors[0]))
     local = [k.let(f"u_{i + 1}", turned(cosine, -sine, a[i]), "in the platform frame") for i in range(3)]
@@ -161,16 +193,9 @@ def _assembly(plate: Platform) -> Kernel:
         for u, b in zip(local, anchors, strict=True)
     ]
     det_j = concurrence(dependence(local), local, anchors)
-    if plate.space is Space.SPATIAL:
+    if space is Space.SPATIAL:
         det_j = det_j * cross2(points[1], points[2])
-    joint = plate.ports().redundant
-    mode = Mode(cosine, sine, position, tuple(beta), det_j)
-    write_modes(k, plane, [mode], joint, several=False)
-    k.add_output(forward_ports(plate.space, joint, 0).det_J, det_j)
-    misses = [dot(v, v) - length**2 for v, length in zip(a, lengths, strict=True)]
-    size = sum(length**2 for length in lengths)
-    k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
-    return k.kernel()
+    return RevoluteMode(cosine, sine, position, tuple(beta), det_j, tuple(a))
 
 
 def _uniqueness() -> Kernel:
@@ -205,35 +230,38 @@ def _uniqueness() -> Kernel:
     return k.kernel()
 
 
-def _newton(
+def newton_step(
     k: KernelWriter,
-    step: int,
+    at: str,
     cosine: Any,
     sine: Any,
     a_1: sp.Matrix,
     d: Sequence[sp.Matrix],
     points: Sequence[sp.Matrix],
     lengths: Sequence[Any],
-) -> tuple[Any, Any, sp.Matrix]:
-    """One Newton step of |a_i| = l_i in phi and a_1; with sum lambda_i a_i = 0 the equations lose a_1."""
+) -> tuple[Any, Any, Any, sp.Matrix]:
+    """One Newton step of |a_i| = l_i in phi and a_1: cosine and sine after it, and by how much phi and a_1
+    change.  With sum lambda_i a_i = 0 the equations lose a_1.  `at` ends the names of what is computed.
+    """
     rotated = [turned(cosine, sine, v) for v in d]
-    a = [k.let(f"a_{i + 1}_{step}", a_1 + rotated[i] - points[i]) for i in range(3)]
+    a = [k.let(f"a_{i + 1}{at}", a_1 + rotated[i] - points[i]) for i in range(3)]
     f = [
-        k.let(f"f_{i + 1}_{step}", (dot(v, v) - length**2) / 2)
+        k.let(f"f_{i + 1}{at}", (dot(v, v) - length**2) / 2)
         for i, (v, length) in enumerate(zip(a, lengths, strict=True))
     ]
-    slope = [k.let(f"g_{i + 1}_{step}", cross2(rotated[i], a[i])) for i in range(3)]
-    weights = [k.let(f"lambda_{i + 1}_{step}", w) for i, w in enumerate(dependence(a))]
+    slope = [k.let(f"g_{i + 1}{at}", cross2(rotated[i], a[i])) for i in range(3)]
+    weights = [k.let(f"lambda_{i + 1}{at}", w) for i, w in enumerate(dependence(a))]
     turn = k.let(
-        f"turn_{step}",
+        f"turn{at}",
         -sum(w * v for w, v in zip(weights, f, strict=True))
         / sum(w * v for w, v in zip(weights, slope, strict=True)),
     )
     right = [-v - turn * g for v, g in zip(f, slope, strict=True)]
-    move = k.let(f"move_{step}", lines_meet(a, right, weights))
-    norm = k.let(f"norm_{step}", 1 / sp.sqrt(1 + turn**2))
+    move = k.let(f"move{at}", lines_meet(a, right, weights))
+    norm = k.let(f"norm{at}", 1 / sp.sqrt(1 + turn**2))
     return (
-        k.let(f"cos_{step}", (cosine - sine * turn) * norm),
-        k.let(f"sin_{step}", (sine + cosine * turn) * norm),
-        k.let(f"a_1_{step}_on", a_1 + move),
+        k.let(f"cos{at}", (cosine - sine * turn) * norm),
+        k.let(f"sin{at}", (sine + cosine * turn) * norm),
+        turn,
+        move,
     )

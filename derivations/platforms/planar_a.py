@@ -12,8 +12,9 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryType, Kernel, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms import forward_revolute
+from krhpr.derivations.platforms import encoders, forward_newton, forward_revolute
 from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.platforms.forward import Hold
 from krhpr.derivations.platforms.spatial_a import BETA, FIELDS, revolute_factors
 from krhpr.derivations.terms import Pose, Space
 from krhpr.derivations.vectors import E, dot
@@ -89,4 +90,11 @@ class PlanarA(Platform):
         return [revolute_factors(redundant, geometry)]
 
     def forward_kernels(self) -> tuple[Kernel, ...]:
-        return forward_revolute.forward_kernels(self)
+        return (
+            *forward_revolute.forward_kernels(self),
+            *forward_newton.newton_kernels(self),
+            *encoders.encoder_kernels(self),
+        )
+
+    def hold(self, k: KernelWriter, count: int) -> Hold:
+        return encoders.hold_by_angles(k, count)

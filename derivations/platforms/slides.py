@@ -16,11 +16,13 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms import encoders
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.platforms.forward import (
     CERTIFIED,
     SIDE,
     TURNED,
+    Hold,
     Mode,
     forward_ports,
     plane_of,
@@ -144,7 +146,25 @@ class SlidePlatform(Platform):
     # -- forward kinematics, in closed form -----------------------------------------------------------------
 
     def forward_kernels(self) -> tuple[Kernel, ...]:
-        return (self._tie(), self._assembly_modes(), self._assembly_mode())
+        return (
+            self._tie(),
+            self._assembly_modes(),
+            self._assembly_mode(),
+            *encoders.encoder_kernels(self),
+        )
+
+    def hold(self, k: KernelWriter, count: int) -> Hold:
+        measured = k.add_input(encoders.measured_port(PlatformPorts(self).redundant, count))
+        slides = all_legs(k, SLIDE)
+        normals = [self._across(t) for t in slides]
+        ends = [measured[i] * slides[i] for i in range(count)]
+        if self.offset:
+            distances, starts = all_legs(k, DISTANCE), all_legs(k, START)
+            ends = [(measured[i] + starts[i]) * slides[i] + distances[i] * normals[i] for i in range(count)]
+        order = sum(dependence(normals), sp.Integer(0))
+        return Hold(
+            order, tuple(k.let(f"e_{i + 1}", end, "S_i in the platform frame") for i, end in enumerate(ends))
+        )
 
     def _tie(self) -> Kernel:
         k = KernelWriter(

@@ -59,7 +59,8 @@ typedef enum {
     KRHPR_NO_CONVERGENCE = 9, /* an iteration ended before it converged */
     KRHPR_AMBIGUOUS = 10, /* several answers cannot be told apart */
     KRHPR_INVALID_INPUT = 11, /* an input is NaN or infinite */
-    KRHPR_NO_ASSEMBLY = 12 /* no platform fits the three end points */
+    KRHPR_NO_ASSEMBLY = 12, /* no platform fits the three end points */
+    KRHPR_INCONSISTENT = 13 /* encoders contradict the end points by more than the tolerance */
 } krhpr_status;
 
 /* Where the first operand is NaN the second is the result. */

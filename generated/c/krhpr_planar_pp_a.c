@@ -1199,6 +1199,489 @@ KRHPR_API int krhpr_planar_pp_a_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_pp_a_forward_newton(
+    const krhpr_planar_pp_a_geometry *g, const double s[6], const double p_near[2], double phi_near,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT kantorovich)
+{
+    int status = KRHPR_OK;
+    double Q_near[4];
+    double anchor[6];
+    double length[3];
+    double points[6];
+    double centre[2];
+    double start[5];
+    double state[5];
+    double change[1];
+    if (!(krhpr_taint(s, 6) + krhpr_taint(p_near, 2) + krhpr_taint(&phi_near, 1) == 0.0)) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(kantorovich, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi_near, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    double tail_y[KRHPR_PADDED(4)] = {0.0};
+    double tail_x[KRHPR_PADDED(4)] = {0.0};
+    double tail[KRHPR_PADDED(4)];
+    krhpr_algebra_planar_rotation(sine, cosine, Q_near);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+    }
+    krhpr_platform_planar_a_newton_start(
+        s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
+    double state_at[5];
+    double state_on[5];
+    change[0] = (double)INFINITY;
+    for (int k = 0; k < 5; ++k) {
+        state_at[k] = (start)[k];
+    }
+    for (int step = 0; step < 25 && !(change[0] <= 1e-20); ++step) {
+        double step_angle[KRHPR_PADDED(1)] = {0.0};
+        double step_sine[KRHPR_PADDED(1)];
+        double step_cosine[KRHPR_PADDED(1)];
+        krhpr_platform_planar_a_newton_step_angles(state_at, step_angle);
+        krhpr_sincos_array(1, step_angle, step_sine, step_cosine);
+        krhpr_platform_planar_a_newton_step(
+            state_at, centre, anchor, length, points, step_sine, step_cosine, state_on, change);
+        for (int k = 0; k < 5; ++k) {
+            state_at[k] = state_on[k];
+        }
+    }
+    for (int k = 0; k < 5; ++k) {
+        (state)[k] = state_at[k];
+    }
+    krhpr_platform_planar_a_newton_pose(s, state, anchor, points, p, tail_y, tail_x);
+    krhpr_atan2_array(4, tail_y, tail_x, tail);
+    *phi = tail[0];
+    redundant[0] = tail[1];
+    redundant[1] = tail[2];
+    redundant[2] = tail[3];
+    if (!(change[0] <= 1e-20)) {
+        status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(kantorovich, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_newton_batch(
+    const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_pp_a_forward_newton(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_encoders_1(
+    const krhpr_planar_pp_a_geometry *g, const double s[6], const double measured[1], double tolerance,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT other_mismatch)
+{
+    int status = KRHPR_OK;
+    double turns[2];
+    double anchor[6];
+    double length[3];
+    double arm[6];
+    double radicand[1];
+    double agreement[1];
+    double apart[1];
+    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(other_mismatch, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_platform_planar_a_turns_1_angles(measured, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    double tail_y[KRHPR_PADDED(1)] = {0.0};
+    double tail_x[KRHPR_PADDED(1)] = {0.0};
+    double tail[KRHPR_PADDED(1)];
+    krhpr_platform_planar_a_turns_1(sine, cosine, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+    }
+    krhpr_platform_planar_a_one_encoder(
+        s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, other_mismatch, agreement, apart,
+        tail_y, tail_x);
+    krhpr_atan2_array(1, tail_y, tail_x, tail);
+    *phi = tail[0];
+    if (!(radicand[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (!(agreement[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (!(apart[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_AMBIGUOUS : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(other_mismatch, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_encoders_1_batch(
+    const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_pp_a_forward_encoders_1(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_encoders_2(
+    const krhpr_planar_pp_a_geometry *g, const double s[6], const double measured[2], double tolerance,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
+    double *KRHPR_RESTRICT mismatch)
+{
+    int status = KRHPR_OK;
+    double turns[4];
+    double anchor[6];
+    double length[3];
+    double arm[6];
+    double points[6];
+    double ends[4];
+    double linear[6];
+    double agreement[1];
+    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(2)] = {0.0};
+    double sine[KRHPR_PADDED(2)];
+    double cosine[KRHPR_PADDED(2)];
+    krhpr_platform_planar_a_turns_2_angles(measured, angle);
+    krhpr_sincos_array(2, angle, sine, cosine);
+    double tail_y[KRHPR_PADDED(1)] = {0.0};
+    double tail_x[KRHPR_PADDED(1)] = {0.0};
+    double tail[KRHPR_PADDED(1)];
+    krhpr_platform_planar_a_turns_2(sine, cosine, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+    }
+    krhpr_platform_planar_a_two_encoders(
+        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+    krhpr_platform_planar_a_encoder_pose(s, linear, p, raw, tail_y, tail_x);
+    krhpr_atan2_array(1, tail_y, tail_x, tail);
+    *phi = tail[0];
+    if (!(agreement[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_encoders_2_batch(
+    const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_pp_a_forward_encoders_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_encoders_3(
+    const krhpr_planar_pp_a_geometry *g, const double s[6], const double measured[3], double tolerance,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
+    double *KRHPR_RESTRICT mismatch)
+{
+    int status = KRHPR_OK;
+    double turns[6];
+    double anchor[6];
+    double length[3];
+    double arm[6];
+    double points[6];
+    double ends[6];
+    double linear[6];
+    double agreement[1];
+    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
+    krhpr_platform_planar_a_turns_3_angles(measured, angle);
+    krhpr_sincos_array(3, angle, sine, cosine);
+    double tail_y[KRHPR_PADDED(1)] = {0.0};
+    double tail_x[KRHPR_PADDED(1)] = {0.0};
+    double tail[KRHPR_PADDED(1)];
+    krhpr_platform_planar_a_turns_3(sine, cosine, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+    }
+    krhpr_platform_planar_a_three_encoders(
+        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+    krhpr_platform_planar_a_encoder_pose(s, linear, p, raw, tail_y, tail_x);
+    krhpr_atan2_array(1, tail_y, tail_x, tail);
+    *phi = tail[0];
+    if (!(agreement[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_encoders_3_batch(
+    const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_pp_a_forward_encoders_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_gauss_newton_2(
+    const krhpr_planar_pp_a_geometry *g, const double s[6], const double measured[2], double tolerance,
+    const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch)
+{
+    int status = KRHPR_OK;
+    double turns[4];
+    double anchor[6];
+    double length[3];
+    double arm[6];
+    double points[6];
+    double ends[4];
+    double linear[6];
+    double agreement[1];
+    double state[6];
+    double change[1];
+    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(2)] = {0.0};
+    double sine[KRHPR_PADDED(2)];
+    double cosine[KRHPR_PADDED(2)];
+    krhpr_platform_planar_a_turns_2_angles(measured, angle);
+    krhpr_sincos_array(2, angle, sine, cosine);
+    double tail_y[KRHPR_PADDED(1)] = {0.0};
+    double tail_x[KRHPR_PADDED(1)] = {0.0};
+    double tail[KRHPR_PADDED(1)];
+    krhpr_platform_planar_a_turns_2(sine, cosine, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+    }
+    krhpr_platform_planar_a_two_encoders(
+        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+    double state_at[6];
+    double state_on[6];
+    change[0] = (double)INFINITY;
+    for (int k = 0; k < 6; ++k) {
+        state_at[k] = (linear)[k];
+    }
+    for (int step = 0; step < 25 && !(change[0] <= 1e-24); ++step) {
+        krhpr_platform_planar_a_gauss_newton_2(
+            state_at, weights, points, ends, anchor, length, state_on, change);
+        for (int k = 0; k < 6; ++k) {
+            state_at[k] = state_on[k];
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        (state)[k] = state_at[k];
+    }
+    krhpr_platform_planar_a_encoder_pose(s, state, p, raw, tail_y, tail_x);
+    krhpr_atan2_array(1, tail_y, tail_x, tail);
+    *phi = tail[0];
+    if (!(agreement[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (!(change[0] <= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_gauss_newton_2_batch(
+    const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_pp_a_forward_gauss_newton_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_gauss_newton_3(
+    const krhpr_planar_pp_a_geometry *g, const double s[6], const double measured[3], double tolerance,
+    const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch)
+{
+    int status = KRHPR_OK;
+    double turns[6];
+    double anchor[6];
+    double length[3];
+    double arm[6];
+    double points[6];
+    double ends[6];
+    double linear[6];
+    double agreement[1];
+    double state[6];
+    double change[1];
+    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(3)] = {0.0};
+    double sine[KRHPR_PADDED(3)];
+    double cosine[KRHPR_PADDED(3)];
+    krhpr_platform_planar_a_turns_3_angles(measured, angle);
+    krhpr_sincos_array(3, angle, sine, cosine);
+    double tail_y[KRHPR_PADDED(1)] = {0.0};
+    double tail_x[KRHPR_PADDED(1)] = {0.0};
+    double tail[KRHPR_PADDED(1)];
+    krhpr_platform_planar_a_turns_3(sine, cosine, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+    }
+    krhpr_platform_planar_a_three_encoders(
+        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+    double state_at[6];
+    double state_on[6];
+    change[0] = (double)INFINITY;
+    for (int k = 0; k < 6; ++k) {
+        state_at[k] = (linear)[k];
+    }
+    for (int step = 0; step < 25 && !(change[0] <= 1e-24); ++step) {
+        krhpr_platform_planar_a_gauss_newton_3(state_at, weights, points, ends, state_on, change);
+        for (int k = 0; k < 6; ++k) {
+            state_at[k] = state_on[k];
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        (state)[k] = state_at[k];
+    }
+    krhpr_platform_planar_a_encoder_pose(s, state, p, raw, tail_y, tail_x);
+    krhpr_atan2_array(1, tail_y, tail_x, tail);
+    *phi = tail[0];
+    if (!(agreement[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (!(change[0] <= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(raw, 4);
+        krhpr_fill_nan(mismatch, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_pp_a_forward_gauss_newton_3_batch(
+    const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_pp_a_forward_gauss_newton_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 static const int joint_is_angle[2] = {0, 0};
 
 KRHPR_API int krhpr_planar_pp_a_inverse_near(

@@ -482,6 +482,134 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* The pose by Newton steps from one nearby, in the platform's plane, where three of nine unknowns are left;
+ * and whether they are certain to converge.  Thesis: 3.2.2.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     p_near (2, m, base frame): position of O' nearby, the previous one on a path
+ *   in     phi_near (scalar, rad, base frame): orientation of the platform, base from platform
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
+ *          clockwise from +z'
+ *   out    kantorovich (scalar): 2 b K n at the pose nearby: at most 1 where the steps are certain to
+ *          converge
+ */
+KRHPR_API int krhpr_planar_rpr2_a_forward_newton(
+    const krhpr_planar_rpr2_a_geometry *g, const double s[6], const double p_near[2], double phi_near,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant,
+    double *KRHPR_RESTRICT kantorovich);
+/* Batch: in = s (6), p_near (2), phi_near (1); out = p (2), phi (1), redundant (3), kantorovich (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rpr2_a_forward_newton_batch(
+    const krhpr_planar_rpr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose with an encoder at the first redundant joint: of two solutions the one that fits the third
+ * link's length.  Thesis: 3.2.3.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     measured (1, rad, joint frame): redundant coordinates measured at leg 1
+ *   in     tolerance (scalar, m): by how much encoders and end points may disagree
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    other_mismatch (scalar, m): the same for the solution that is not given
+ */
+KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_1(
+    const krhpr_planar_rpr2_a_geometry *g, const double s[6], const double measured[1], double tolerance,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT other_mismatch);
+/* Batch: in = s (6), measured (1), tolerance (1); out = p (2), phi (1), mismatch (1), other_mismatch (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_1_batch(
+    const krhpr_planar_rpr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
+ * made a rotation.  Thesis: 3.2.4, 3.3.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     measured (2, rad, joint frame): redundant coordinates measured at legs 1 to 2
+ *   in     tolerance (scalar, m): by how much encoders and end points may disagree
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    raw (2 x 2, base frame): orientation as the equations give it
+ *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ */
+KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_2(
+    const krhpr_planar_rpr2_a_geometry *g, const double s[6], const double measured[2], double tolerance,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
+    double *KRHPR_RESTRICT mismatch);
+/* Batch: in = s (6), measured (2), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_2_batch(
+    const krhpr_planar_rpr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose with encoders at three redundant joints, by linear equations; the orientation as they give it,
+ * and made a rotation.  Thesis: 3.2.5, 3.3.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     measured (3, rad, joint frame): redundant coordinates measured at legs 1 to 3
+ *   in     tolerance (scalar, m): by how much encoders and end points may disagree
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    raw (2 x 2, base frame): orientation as the equations give it
+ *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ */
+KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_3(
+    const krhpr_planar_rpr2_a_geometry *g, const double s[6], const double measured[3], double tolerance,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
+    double *KRHPR_RESTRICT mismatch);
+/* Batch: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_3_batch(
+    const krhpr_planar_rpr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose with encoders at two redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     measured (2, rad, joint frame): redundant coordinates measured at legs 1 to 2
+ *   in     tolerance (scalar, m): by how much encoders and end points may disagree
+ *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    raw (2 x 2, base frame): orientation as the equations give it
+ *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ */
+KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_2(
+    const krhpr_planar_rpr2_a_geometry *g, const double s[6], const double measured[2], double tolerance,
+    const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
+/* Batch: in = s (6), measured (2), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_2_batch(
+    const krhpr_planar_rpr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
+/* The pose with encoders at three redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     measured (3, rad, joint frame): redundant coordinates measured at legs 1 to 3
+ *   in     tolerance (scalar, m): by how much encoders and end points may disagree
+ *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    raw (2 x 2, base frame): orientation as the equations give it
+ *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ */
+KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_3(
+    const krhpr_planar_rpr2_a_geometry *g, const double s[6], const double measured[3], double tolerance,
+    const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
+/* Batch: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_3_batch(
+    const krhpr_planar_rpr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 #ifdef __cplusplus
 }
 #endif

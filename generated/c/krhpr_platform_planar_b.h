@@ -424,4 +424,232 @@ static inline void krhpr_platform_planar_b_assembly_mode(
     tail_x[0] = cos;
 }
 
+/* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
+ * (3.24).  (20 add, 22 multiply, 1 divide, 2 square root, 1 select) */
+static inline void krhpr_platform_planar_b_two_encoders(
+    const double s[6], const double measured[2], const double slide[6], const double distance[3],
+    const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+{
+    const double t1 = measured[0] + start[0];
+    const double e_1_0 = slide[0] * t1 - slide[1] * distance[0]; /* S_i in the platform frame */
+    const double e_1_1 = slide[0] * distance[0] + slide[1] * t1;
+    const double t2 = measured[1] + start[1];
+    const double e_2_0 = slide[2] * t2 - slide[3] * distance[1]; /* S_i in the platform frame */
+    const double e_2_1 = slide[2] * distance[1] + slide[3] * t2;
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double d_12_0 = e_2_0 - e_1_0;
+    const double d_12_1 = e_2_1 - e_1_1;
+    const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double t3 = 1.0 / d_12_2;
+    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3;
+    const double sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
+    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_2);
+    const double mismatch_a = fabs(gap_0);
+    points[0] = 0.0;
+    points[1] = 0.0;
+    points[2] = s_12_0;
+    points[3] = s_12_1;
+    points[4] = s_13_0;
+    points[5] = s_13_1;
+    ends[0] = e_1_0;
+    ends[1] = e_1_1;
+    ends[2] = e_2_0;
+    ends[3] = e_2_1;
+    linear[0] = cos;
+    linear[1] = sin;
+    linear[2] = -sin;
+    linear[3] = cos;
+    linear[4] = e_1_1 * sin - e_1_0 * cos;
+    linear[5] = -(e_1_1 * cos + e_1_0 * sin);
+    *mismatch = mismatch_a;
+    agreement[0] = tolerance - mismatch_a;
+}
+
+/* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
+ * 3.2.5, (3.30).  (38 add, 42 multiply, 1 divide, 6 square root, 5 select) */
+static inline void krhpr_platform_planar_b_three_encoders(
+    const double s[6], const double measured[3], const double slide[6], const double distance[3],
+    const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+{
+    const double t1 = measured[0] + start[0];
+    const double e_1_0 = slide[0] * t1 - slide[1] * distance[0]; /* S_i in the platform frame */
+    const double e_1_1 = slide[0] * distance[0] + slide[1] * t1;
+    const double t2 = measured[1] + start[1];
+    const double e_2_0 = slide[2] * t2 - slide[3] * distance[1]; /* S_i in the platform frame */
+    const double e_2_1 = slide[2] * distance[1] + slide[3] * t2;
+    const double t3 = measured[2] + start[2];
+    const double e_3_0 = slide[4] * t3 - slide[5] * distance[2]; /* S_i in the platform frame */
+    const double e_3_1 = slide[4] * distance[2] + slide[5] * t3;
+    const double s_12_0 = s[2] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[3] - s[1];
+    const double s_13_0 = s[4] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[5] - s[1];
+    const double d_12_0 = e_2_0 - e_1_0;
+    const double d_12_1 = e_2_1 - e_1_1;
+    const double d_13_0 = e_3_0 - e_1_0;
+    const double d_13_1 = e_3_1 - e_1_1;
+    const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double t4 = 1.0 / area;
+    const double u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t4;
+    const double u_x_1 = t4 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
+    const double u_y_0 = t4 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
+    const double u_y_1 = t4 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
+    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
+    const double gap_1 = sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double t5 = s_13_0 - s_12_0;
+    const double t6 = s_13_1 - s_12_1;
+    const double t7 = d_13_0 - d_12_0;
+    const double t8 = d_13_1 - d_12_1;
+    const double gap_2 = sqrt(t5 * t5 + t6 * t6) - sqrt(t7 * t7 + t8 * t8);
+    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    points[0] = 0.0;
+    points[1] = 0.0;
+    points[2] = s_12_0;
+    points[3] = s_12_1;
+    points[4] = s_13_0;
+    points[5] = s_13_1;
+    ends[0] = e_1_0;
+    ends[1] = e_1_1;
+    ends[2] = e_2_0;
+    ends[3] = e_2_1;
+    ends[4] = e_3_0;
+    ends[5] = e_3_1;
+    linear[0] = u_x_0;
+    linear[1] = u_x_1;
+    linear[2] = u_y_0;
+    linear[3] = u_y_1;
+    linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
+    linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
+    *mismatch = mismatch_a;
+    agreement[0] = tolerance - mismatch_a;
+}
+
+/* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
+ * divide) */
+static inline void krhpr_platform_planar_b_gauss_newton_3(
+    const double state[6], const double weights[3], const double points[6], const double ends[6],
+    double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
+    const double f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
+    const double f_2_0 = state[4] + state[0] * ends[2] + state[2] * ends[3] - points[2];
+    const double f_2_1 = state[5] + state[1] * ends[2] + state[3] * ends[3] - points[3];
+    const double f_3_0 = state[4] + state[0] * ends[4] + state[2] * ends[5] - points[4];
+    const double f_3_1 = state[5] + state[1] * ends[4] + state[3] * ends[5] - points[5];
+    const double J_00 = weights[0] * ends[0];
+    const double J_02 = weights[0] * ends[1];
+    const double J_20 = weights[0] * ends[2];
+    const double J_22 = weights[0] * ends[3];
+    const double J_40 = weights[0] * ends[4];
+    const double J_42 = weights[0] * ends[5];
+    const double J_60 = weights[2] * (state[0] * 2.0);
+    const double J_61 = weights[2] * (state[1] * 2.0);
+    const double J_72 = weights[2] * (state[2] * 2.0);
+    const double J_73 = weights[2] * (state[3] * 2.0);
+    const double J_80 = state[2] * weights[2];
+    const double J_81 = state[3] * weights[2];
+    const double J_82 = state[0] * weights[2];
+    const double J_83 = state[1] * weights[2];
+    const double r_0 = weights[0] * f_1_0;
+    const double r_1 = weights[0] * f_1_1;
+    const double r_2 = weights[0] * f_2_0;
+    const double r_3 = weights[0] * f_2_1;
+    const double r_4 = weights[0] * f_3_0;
+    const double r_5 = weights[0] * f_3_1;
+    const double r_6 = weights[2] * (state[0] * state[0] + state[1] * state[1] - 1.0);
+    const double r_7 = weights[2] * (state[2] * state[2] + state[3] * state[3] - 1.0);
+    const double r_8 = weights[2] * (state[0] * state[2] + state[1] * state[3]);
+    const double t1 = J_00 * J_00 + J_20 * J_20 + J_40 * J_40;
+    const double N_00 = t1 + J_60 * J_60 + J_80 * J_80;
+    const double N_10 = J_60 * J_61 + J_80 * J_81;
+    const double N_11 = t1 + J_61 * J_61 + J_81 * J_81;
+    const double t2 = J_00 * J_02 + J_20 * J_22 + J_40 * J_42;
+    const double N_20 = t2 + J_80 * J_82;
+    const double N_21 = J_81 * J_82;
+    const double t3 = J_02 * J_02 + J_22 * J_22 + J_42 * J_42;
+    const double N_22 = t3 + J_72 * J_72 + J_82 * J_82;
+    const double N_30 = J_80 * J_83;
+    const double N_31 = t2 + J_81 * J_83;
+    const double N_32 = J_72 * J_73 + J_82 * J_83;
+    const double N_33 = t3 + J_73 * J_73 + J_83 * J_83;
+    const double N_40 = weights[0] * J_00 + weights[0] * J_20 + weights[0] * J_40;
+    const double N_42 = weights[0] * J_02 + weights[0] * J_22 + weights[0] * J_42;
+    const double N_44 = 3.0 * (weights[0] * weights[0]);
+    const double t4 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_60 * r_6 + J_80 * r_8;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double t5 = N_00 * (L_10 * L_10);
+    const double D_1 = N_11 - t5;
+    const double E_1 = 1.0 / D_1;
+    const double L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20));
+    const double L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30));
+    const double t6 = N_00 * (L_40 * (L_10 * E_1));
+    const double L_51 = N_40 * E_1;
+    const double D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20);
+    const double E_2 = 1.0 / D_2;
+    const double t7 = D_1 * L_21;
+    const double L_32 = E_2 * (N_32 - L_31 * t7 - N_00 * (L_20 * L_30));
+    const double L_42 = E_2 * (N_42 + t6 * t7 - N_00 * (L_20 * L_40));
+    const double L_52 = L_51 * (L_21 * (E_2 * (t5 - N_11)));
+    const double D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30);
+    const double E_3 = 1.0 / D_3;
+    const double t8 = D_1 * L_31;
+    const double t9 = D_2 * L_32;
+    const double t10 = E_3 * (L_42 * t9 - t6 * t8 + N_00 * (L_30 * L_40));
+    const double L_53 = E_3 * (N_42 - L_51 * t8 - L_52 * t9);
+    const double D_4 = N_44 - D_1 * (t6 * t6) - D_2 * (L_42 * L_42) - D_3 * (t10 * t10) - N_00 * (L_40 * L_40);
+    const double E_4 = 1.0 / D_4;
+    const double L_54 = E_4 * (L_53 * (D_3 * t10) - (L_52 * (D_2 * L_42) - L_51 * (D_1 * t6)));
+    const double D_5 = N_44 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54);
+    const double y_1 = t4 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_40 * r_5 + J_61 * r_6 + J_81 * r_8);
+    const double y_2 = t4 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_72 * r_7 + J_82 * r_8) - L_21 * y_1;
+    const double t11 = t4 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_42 * r_5 + J_73 * r_7 + J_83 * r_8) - L_31 * y_1;
+    const double y_3 = t11 - L_32 * y_2;
+    const double t12 = t4 * L_40 - (weights[0] * r_0 + weights[0] * r_2 + weights[0] * r_4) + t6 * y_1;
+    const double y_4 = t12 - L_42 * y_2 + t10 * y_3;
+    const double t13 = weights[0] * r_1 + weights[0] * r_3 + weights[0] * r_5 + L_51 * y_1 + L_52 * y_2;
+    const double t14 = (t13 + L_53 * y_3 + L_54 * y_4) / D_5;
+    const double x_4 = E_4 * y_4 + L_54 * t14;
+    const double x_3 = E_3 * y_3 + t10 * x_4 + L_53 * t14;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t14;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + t6 * x_4 + L_51 * t14;
+    const double t15 = t4 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4;
+    const double t16 = ends[0] * ends[0] + ends[1] * ends[1] + ends[2] * ends[2] + ends[3] * ends[3] + ends[4] * ends[4];
+    const double size = t16 + ends[5] * ends[5];
+    state_next[0] = state[0] - t15;
+    state_next[1] = state[1] + x_1;
+    state_next[2] = state[2] + x_2;
+    state_next[3] = state[3] + x_3;
+    state_next[4] = state[4] + x_4;
+    state_next[5] = state[5] - t14;
+    change[0] = t15 * t15 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t14 * t14) / size;
+}
+
+/* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
+ * square root) */
+static inline void krhpr_platform_planar_b_encoder_pose(
+    const double s[6], const double state[6], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT raw,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+{
+    const double norm = 1.0 / sqrt(state[0] * state[0] + state[1] * state[1]);
+    const double cos = state[0] * norm;
+    const double sin = state[1] * norm;
+    p[0] = s[0] + state[4];
+    p[1] = s[1] + state[5];
+    raw[0] = state[0];
+    raw[1] = state[2];
+    raw[2] = state[1];
+    raw[3] = state[3];
+    tail_y[0] = sin;
+    tail_x[0] = cos;
+}
+
 #endif

@@ -18,11 +18,11 @@ typedef struct {
     double l_r; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
     double e_r[2]; /* radial direction */
     double b[2]; /* B_i */
-    double k[2]; /* sub-expressions of the geometry alone, computed once */
+    double k[4]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_spatial_a_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (4 multiply, 1 divide, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
 static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth, &e_r_1, &e_r_0);
@@ -32,6 +32,8 @@ static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geo
     g->b[1] = g->R_p * e_r_1;
     g->k[0] = 0.5 * (g->l_r * g->l_r);
     g->k[1] = 1.0 / g->l_r;
+    g->k[2] = g->l_r * e_r_0;
+    g->k[3] = g->l_r * e_r_1;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -757,6 +759,840 @@ static inline void krhpr_platform_spatial_a_uniqueness(
     certificate[11] = (409061543436171.0 / 156250000000000.0) - box[3];
     certificate[12] = box[4] - (1308996938995747.0 / 2500000000000000.0);
     certificate[13] = (409061543436171.0 / 156250000000000.0) - box[5];
+}
+
+/* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
+ * 3.2.2, (3.4) to (3.9).  (107 add, 164 multiply, 8 divide, 10 square root, 1 select) */
+static inline void krhpr_platform_spatial_a_newton_start(
+    const double s[9], const double anchor[6], const double length[3], const double p_near[3],
+    const double Q_near[9], double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT start,
+    double *KRHPR_RESTRICT kantorovich)
+{
+    const double d_2_0 = anchor[2] - anchor[0];
+    const double d_2_1 = anchor[3] - anchor[1];
+    const double d_3_0 = anchor[4] - anchor[0];
+    const double d_3_1 = anchor[5] - anchor[1];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double sense = d_2_0 * d_3_1 - d_2_1 * d_3_0; /* positive where the legs go round z_1 */
+    const double sense_2 = sense * sense;
+    const double s_n_w = s_n_2_a * sense_2;
+    const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double t3 = s_12_0 * x_1_0;
+    const double t4 = s_12_1 * x_1_1;
+    const double t5 = s_12_2 * x_1_2;
+    const double c = Q_near[0] * x_1_0 + Q_near[3] * x_1_1 + Q_near[6] * x_1_2;
+    const double s_a = Q_near[0] * y_1_0 + Q_near[3] * y_1_1 + Q_near[6] * y_1_2;
+    const double norm = 1.0 / sqrt(c * c + s_a * s_a);
+    const double cos = c * norm;
+    const double sin = s_a * norm;
+    const double arm_0 = p_near[0] + anchor[0] * Q_near[0] + anchor[1] * Q_near[1] - s[0]; /* S_1 to B_1 */
+    const double arm_1 = p_near[1] + anchor[0] * Q_near[3] + anchor[1] * Q_near[4] - s[1];
+    const double arm_2 = p_near[2] + anchor[0] * Q_near[6] + anchor[1] * Q_near[7] - s[2];
+    const double a_1_0 = x_1_0 * arm_0 + x_1_1 * arm_1 + x_1_2 * arm_2;
+    const double a_1_1 = y_1_0 * arm_0 + y_1_1 * arm_1 + y_1_2 * arm_2;
+    const double Rd_2_0 = d_2_0 * cos - d_2_1 * sin;
+    const double Rd_2_1 = d_2_1 * cos + d_2_0 * sin;
+    const double Rd_3_0 = d_3_0 * cos - d_3_1 * sin;
+    const double Rd_3_1 = d_3_1 * cos + d_3_0 * sin;
+    const double b_2_0 = a_1_0 + Rd_2_0 - t3 - t4 - t5; /* S_i to B_i */
+    const double b_2_1 = a_1_1 + Rd_2_1;
+    const double b_3_0 = a_1_0 + Rd_3_0 - r_3_0;
+    const double b_3_1 = a_1_1 + Rd_3_1 - r_3_1;
+    const double t6 = d_2_0 * d_2_0;
+    const double t7 = d_2_1 * d_2_1;
+    const double t8 = d_3_0 * d_3_0;
+    const double t9 = d_3_1 * d_3_1;
+    const double L_2 = 0.5 * t6 + 0.5 * t7 + 0.5 * t8 + 0.5 * t9; /* the platform's size, squared */
+    const double L = sqrt(L_2);
+    const double F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length[0] * length[0]);
+    const double F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length[1] * length[1]);
+    const double F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length[2] * length[2]);
+    const double t10 = 1.0 / L;
+    const double G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t10;
+    const double G_3 = t10 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
+    const double mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0;
+    const double mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1;
+    const double mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0;
+    const double det = G_2 * mu_2 + G_3 * mu_3;
+    const double inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2;
+    const double inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3;
+    const double t11 = a_1_1 * G_3;
+    const double inv_2_2 = a_1_0 * G_3;
+    const double inv_3_1 = a_1_1 * G_2;
+    const double t12 = a_1_0 * G_2;
+    const double t13 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t11 * t11 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
+    const double b_2 = (t13 + t12 * t12 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
+    const double t14 = F_1 * inv_1_1 - F_2 * t11 + F_3 * inv_3_1;
+    const double t15 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t12;
+    const double t16 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
+    const double step = sqrt(t14 * t14 + t15 * t15 + t16 * t16) / fabs(det); /* n */
+    const double q_2 = sqrt(t6 + t7); /* |d_i| */
+    const double o_2_0 = b_2_0 - Rd_2_0;
+    const double o_2_1 = b_2_1 - Rd_2_1;
+    const double t17 = step * 2.0;
+    const double t18 = 1.0 / L_2;
+    const double bent_2 = q_2 * (sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t17) * t18;
+    const double q_3 = sqrt(t8 + t9); /* |d_i| */
+    const double o_3_0 = b_3_0 - Rd_3_0;
+    const double o_3_1 = b_3_1 - Rd_3_1;
+    const double bent_3 = t18 * (q_3 * (t17 + sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
+    const double t19 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t18 * (2.0 * (q_2 * q_2)) + t18 * (2.0 * (q_3 * q_3));
+    flatness[0] = flatness_0;
+    points[0] = 0.0;
+    points[1] = 0.0;
+    points[2] = t3 + t4 + t5;
+    points[3] = 0.0;
+    points[4] = r_3_0;
+    points[5] = r_3_1;
+    axes[0] = x_1_0;
+    axes[1] = y_1_0;
+    axes[2] = z_1_0;
+    axes[3] = x_1_1;
+    axes[4] = y_1_1;
+    axes[5] = z_1_1;
+    axes[6] = x_1_2;
+    axes[7] = y_1_2;
+    axes[8] = z_1_2;
+    centre[0] = cos;
+    centre[1] = sin;
+    start[0] = 0.0;
+    start[1] = a_1_0;
+    start[2] = a_1_1;
+    start[3] = cos;
+    start[4] = sin;
+    *kantorovich = t17 * sqrt(b_2 * t19);
+}
+
+/* Angles whose sines and cosines `newton_step` reads.  (no operations) */
+static inline void krhpr_platform_spatial_a_newton_step_angles(
+    const double state[5], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = state[0];
+}
+
+/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
+ * square root) */
+static inline void krhpr_platform_spatial_a_newton_step(
+    const double state[5], const double centre[2], const double anchor[6], const double length[3],
+    const double points[6], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT state_next,
+    double *KRHPR_RESTRICT change)
+{
+    const double d_2_0 = anchor[2] - anchor[0];
+    const double d_2_1 = anchor[3] - anchor[1];
+    const double d_3_0 = anchor[4] - anchor[0];
+    const double d_3_1 = anchor[5] - anchor[1];
+    const double cos = centre[0] * cosine[0] - centre[1] * sine[0];
+    const double sin = centre[0] * sine[0] + centre[1] * cosine[0];
+    const double a_1_on_0 = state[1] - points[0];
+    const double a_1_on_1 = state[2] - points[1];
+    const double t1 = d_2_0 * cos;
+    const double t2 = d_2_1 * sin;
+    const double a_2_on_0 = state[1] + t1 - points[2] - t2;
+    const double t3 = d_2_1 * cos;
+    const double t4 = d_2_0 * sin;
+    const double a_2_on_1 = state[2] + t3 + t4 - points[3];
+    const double t5 = d_3_0 * cos;
+    const double t6 = d_3_1 * sin;
+    const double a_3_on_0 = state[1] + t5 - points[4] - t6;
+    const double t7 = d_3_1 * cos;
+    const double t8 = d_3_0 * sin;
+    const double a_3_on_1 = state[2] + t7 + t8 - points[5];
+    const double f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0] * length[0]);
+    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1] * length[1]);
+    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2] * length[2]);
+    const double g_2_on = a_2_on_1 * (t1 - t2) - a_2_on_0 * (t3 + t4);
+    const double g_3_on = a_3_on_1 * (t5 - t6) - a_3_on_0 * (t7 + t8);
+    const double lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0;
+    const double lambda_2_on = a_1_on_1 * a_3_on_0 - a_1_on_0 * a_3_on_1;
+    const double lambda_3_on = a_1_on_0 * a_2_on_1 - a_1_on_1 * a_2_on_0;
+    const double t9 = (f_1_on * lambda_1_on + f_2_on * lambda_2_on + f_3_on * lambda_3_on) / (g_2_on * lambda_2_on + g_3_on * lambda_3_on);
+    const double t10 = g_2_on * t9 - f_2_on;
+    const double t11 = g_3_on * t9 - f_3_on;
+    const double t12 = lambda_1_on * (a_3_on_1 * t10 - a_2_on_1 * t11) + lambda_2_on * (a_1_on_1 * t11 + a_3_on_1 * f_1_on);
+    const double t13 = lambda_1_on * lambda_1_on + lambda_2_on * lambda_2_on + lambda_3_on * lambda_3_on;
+    const double t14 = 1.0 / t13;
+    const double move_on_0 = (t12 - lambda_3_on * (a_1_on_1 * t10 + a_2_on_1 * f_1_on)) * t14;
+    const double t15 = lambda_1_on * (a_2_on_0 * t11 - a_3_on_0 * t10) - lambda_2_on * (a_1_on_0 * t11 + a_3_on_0 * f_1_on);
+    const double move_on_1 = t14 * (t15 + lambda_3_on * (a_1_on_0 * t10 + a_2_on_0 * f_1_on));
+    const double t16 = t9 * t9;
+    const double norm_on = 1.0 / sqrt(1.0 + t16);
+    const double cos_on = norm_on * (cos + sin * t9);
+    const double sin_on = norm_on * (sin - cos * t9);
+    const double size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
+    state_next[0] = state[0] - t9;
+    state_next[1] = state[1] + move_on_0;
+    state_next[2] = state[2] + move_on_1;
+    state_next[3] = cos_on;
+    state_next[4] = sin_on;
+    change[0] = t16 + (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size;
+}
+
+/* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (46 add, 54 multiply) */
+static inline void krhpr_platform_spatial_a_newton_pose(
+    const double s[9], const double state[5], const double anchor[6], const double points[6],
+    const double axes[9], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
+{
+    const double t1 = anchor[2] - anchor[0];
+    const double t2 = anchor[3] - anchor[1];
+    const double Rd_2_0 = state[3] * t1 - state[4] * t2;
+    const double Rd_2_1 = state[3] * t2 + state[4] * t1;
+    const double t3 = anchor[4] - anchor[0];
+    const double t4 = anchor[5] - anchor[1];
+    const double Rd_3_0 = state[3] * t3 - state[4] * t4;
+    const double Rd_3_1 = state[3] * t4 + state[4] * t3;
+    const double a_1_0 = state[1] - points[0]; /* S_i to B_i */
+    const double a_1_1 = state[2] - points[1];
+    const double a_2_0 = state[1] + Rd_2_0 - points[2];
+    const double a_2_1 = state[2] + Rd_2_1 - points[3];
+    const double a_3_0 = state[1] + Rd_3_0 - points[4];
+    const double a_3_1 = state[2] + Rd_3_1 - points[5];
+    const double p_l_0 = state[1] + state[4] * anchor[1] - state[3] * anchor[0];
+    const double p_l_1 = state[2] - state[4] * anchor[0] - state[3] * anchor[1];
+    const double u_1_0 = state[3] * a_1_0 + state[4] * a_1_1; /* in the platform frame */
+    const double u_1_1 = state[3] * a_1_1 - state[4] * a_1_0;
+    const double u_2_0 = state[3] * a_2_0 + state[4] * a_2_1;
+    const double u_2_1 = state[3] * a_2_1 - state[4] * a_2_0;
+    const double u_3_0 = state[3] * a_3_0 + state[4] * a_3_1;
+    const double u_3_1 = state[3] * a_3_1 - state[4] * a_3_0;
+    p[0] = s[0] + axes[0] * p_l_0 + axes[1] * p_l_1;
+    p[1] = s[1] + axes[3] * p_l_0 + axes[4] * p_l_1;
+    p[2] = s[2] + axes[6] * p_l_0 + axes[7] * p_l_1;
+    Q[0] = state[3] * axes[0] + state[4] * axes[1];
+    Q[1] = state[3] * axes[1] - state[4] * axes[0];
+    Q[2] = axes[2];
+    Q[3] = state[3] * axes[3] + state[4] * axes[4];
+    Q[4] = state[3] * axes[4] - state[4] * axes[3];
+    Q[5] = axes[5];
+    Q[6] = state[3] * axes[6] + state[4] * axes[7];
+    Q[7] = state[3] * axes[7] - state[4] * axes[6];
+    Q[8] = axes[8];
+    tail_y[0] = anchor[1] * u_1_0 - anchor[0] * u_1_1;
+    tail_y[1] = anchor[3] * u_2_0 - anchor[2] * u_2_1;
+    tail_y[2] = anchor[5] * u_3_0 - anchor[4] * u_3_1;
+    tail_x[0] = anchor[0] * u_1_0 + anchor[1] * u_1_1;
+    tail_x[1] = anchor[2] * u_2_0 + anchor[3] * u_2_1;
+    tail_x[2] = anchor[4] * u_3_0 + anchor[5] * u_3_1;
+}
+
+/* The redundant link where its angle is a half turn.  (no operations) */
+static inline void krhpr_platform_spatial_a_arm(
+    const krhpr_platform_spatial_a_geometry *g, double *KRHPR_RESTRICT arm)
+{
+    arm[0] = g->k[2];
+    arm[1] = g->k[3];
+}
+
+/* Angles whose sines and cosines `turns_1` reads.  (no operations) */
+static inline void krhpr_platform_spatial_a_turns_1_angles(
+    const double measured[1], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = measured[0];
+}
+
+/* Cosines and sines of measured angles.  (no operations) */
+static inline void krhpr_platform_spatial_a_turns_1(
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT turns)
+{
+    turns[0] = cosine[0];
+    turns[1] = sine[0];
+}
+
+/* Angles whose sines and cosines `turns_2` reads.  (no operations) */
+static inline void krhpr_platform_spatial_a_turns_2_angles(
+    const double measured[2], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = measured[0];
+    angle[1] = measured[1];
+}
+
+/* Cosines and sines of measured angles.  (no operations) */
+static inline void krhpr_platform_spatial_a_turns_2(
+    const double sine[2], const double cosine[2], double *KRHPR_RESTRICT turns)
+{
+    turns[0] = cosine[0];
+    turns[1] = sine[0];
+    turns[2] = cosine[1];
+    turns[3] = sine[1];
+}
+
+/* Angles whose sines and cosines `turns_3` reads.  (no operations) */
+static inline void krhpr_platform_spatial_a_turns_3_angles(
+    const double measured[3], double *KRHPR_RESTRICT angle)
+{
+    angle[0] = measured[0];
+    angle[1] = measured[1];
+    angle[2] = measured[2];
+}
+
+/* Cosines and sines of measured angles.  (no operations) */
+static inline void krhpr_platform_spatial_a_turns_3(
+    const double sine[3], const double cosine[3], double *KRHPR_RESTRICT turns)
+{
+    turns[0] = cosine[0];
+    turns[1] = sine[0];
+    turns[2] = cosine[1];
+    turns[3] = sine[1];
+    turns[4] = cosine[2];
+    turns[5] = sine[2];
+}
+
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (78 add, 105 multiply, 5
+ * divide, 5 square root, 5 select) */
+static inline void krhpr_platform_spatial_a_one_encoder(
+    const double s[9], const double turns[2], const double anchor[6], const double length[3],
+    const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT other_mismatch, double *KRHPR_RESTRICT agreement, double *KRHPR_RESTRICT apart)
+{
+    const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
+    const double e_1_1 = anchor[1] + turns[1] * arm[0] - turns[0] * arm[1];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
+    const double sense_2 = sense * sense;
+    const double s_n_w = s_n_2_a * sense_2;
+    const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double w_2_0 = anchor[2] - e_1_0; /* S_1 to B_i */
+    const double w_2_1 = anchor[3] - e_1_1;
+    const double w_3_0 = anchor[4] - e_1_0;
+    const double w_3_1 = anchor[5] - e_1_1;
+    const double t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
+    const double M = w_2_0 * t3;
+    const double L = t3 * (e_1_1 - anchor[3]);
+    const double N = 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1) + 0.5 * (t3 * t3) - 0.5 * (length[1] * length[1]);
+    const double ML_2 = L * L + M * M;
+    const double t4 = 1.0 / ML_2;
+    const double radicand_a = 1.0 - N * N * t4;
+    const double root = sqrt(t4 * radicand_a);
+    const double middle = N * t4;
+    const double t5 = M * middle;
+    const double t6 = L * root;
+    const double cos_plus = t5 - t6;
+    const double t7 = L * middle;
+    const double t8 = M * root;
+    const double sin_plus = t7 + t8;
+    const double a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus; /* S_3 to B_3 */
+    const double a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1;
+    const double miss_plus = sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length[2];
+    const double t9 = fabs(miss_plus);
+    const double cos_minus = t5 + t6;
+    const double sin_minus = t7 - t8;
+    const double a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus; /* S_3 to B_3 */
+    const double a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1;
+    const double miss_minus = sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length[2];
+    const double t10 = fabs(miss_minus);
+    const double gap = t10 - t9;
+    const double sign = gap / fabs(gap);
+    const double cos = t5 - t6 * sign;
+    const double sin = t7 + t8 * sign;
+    const double t11 = e_1_1 * sin - e_1_0 * cos;
+    const double t12 = e_1_1 * cos + e_1_0 * sin;
+    const double mismatch_a = krhpr_min(t9, t10);
+    const double other_mismatch_a = krhpr_max(t9, t10);
+    flatness[0] = flatness_0;
+    radicand[0] = radicand_a;
+    p[0] = s[0] + x_1_0 * t11 - y_1_0 * t12;
+    p[1] = s[1] + x_1_1 * t11 - y_1_1 * t12;
+    p[2] = s[2] + x_1_2 * t11 - y_1_2 * t12;
+    Q[0] = x_1_0 * cos + y_1_0 * sin;
+    Q[1] = y_1_0 * cos - x_1_0 * sin;
+    Q[2] = z_1_0;
+    Q[3] = x_1_1 * cos + y_1_1 * sin;
+    Q[4] = y_1_1 * cos - x_1_1 * sin;
+    Q[5] = z_1_1;
+    Q[6] = x_1_2 * cos + y_1_2 * sin;
+    Q[7] = y_1_2 * cos - x_1_2 * sin;
+    Q[8] = z_1_2;
+    *mismatch = mismatch_a;
+    *other_mismatch = other_mismatch_a;
+    agreement[0] = tolerance - mismatch_a;
+    apart[0] = other_mismatch_a - tolerance;
+}
+
+/* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
+ * (3.24).  (45 add, 63 multiply, 4 divide, 3 square root, 2 select) */
+static inline void krhpr_platform_spatial_a_two_encoders(
+    const double s[9], const double turns[4], const double anchor[6], const double length[3],
+    const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
+    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+{
+    (void)(length);
+    const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
+    const double e_1_1 = anchor[1] + turns[1] * arm[0] - turns[0] * arm[1];
+    const double e_2_0 = anchor[2] - turns[2] * arm[2] - turns[3] * arm[3];
+    const double e_2_1 = anchor[3] + turns[3] * arm[2] - turns[2] * arm[3];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
+    const double sense_2 = sense * sense;
+    const double s_n_w = s_n_2_a * sense_2;
+    const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
+    const double d_12_0 = e_2_0 - e_1_0;
+    const double d_12_1 = e_2_1 - e_1_1;
+    const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double t3 = 1.0 / d_12_2;
+    const double cos = points_10 * d_12_0 * t3;
+    const double sin = t3 * (points_10 * (e_1_1 - e_2_1));
+    const double gap_0 = fabs(points_10) - sqrt(d_12_2);
+    const double mismatch_a = fabs(gap_0);
+    flatness[0] = flatness_0;
+    points[0] = 0.0;
+    points[1] = 0.0;
+    points[2] = points_10;
+    points[3] = 0.0;
+    points[4] = r_3_0;
+    points[5] = r_3_1;
+    axes[0] = x_1_0;
+    axes[1] = y_1_0;
+    axes[2] = z_1_0;
+    axes[3] = x_1_1;
+    axes[4] = y_1_1;
+    axes[5] = z_1_1;
+    axes[6] = x_1_2;
+    axes[7] = y_1_2;
+    axes[8] = z_1_2;
+    ends[0] = e_1_0;
+    ends[1] = e_1_1;
+    ends[2] = e_2_0;
+    ends[3] = e_2_1;
+    linear[0] = cos;
+    linear[1] = sin;
+    linear[2] = -sin;
+    linear[3] = cos;
+    linear[4] = e_1_1 * sin - e_1_0 * cos;
+    linear[5] = -(e_1_1 * cos + e_1_0 * sin);
+    *mismatch = mismatch_a;
+    agreement[0] = tolerance - mismatch_a;
+}
+
+/* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
+ * 3.2.5, (3.30).  (65 add, 82 multiply, 4 divide, 7 square root, 6 select) */
+static inline void krhpr_platform_spatial_a_three_encoders(
+    const double s[9], const double turns[6], const double anchor[6], const double length[3],
+    const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
+    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+{
+    (void)(length);
+    const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
+    const double e_1_1 = anchor[1] + turns[1] * arm[0] - turns[0] * arm[1];
+    const double e_2_0 = anchor[2] - turns[2] * arm[2] - turns[3] * arm[3];
+    const double e_2_1 = anchor[3] + turns[3] * arm[2] - turns[2] * arm[3];
+    const double e_3_0 = anchor[4] - turns[4] * arm[4] - turns[5] * arm[5];
+    const double e_3_1 = anchor[5] + turns[5] * arm[4] - turns[4] * arm[5];
+    const double s_12_0 = s[3] - s[0]; /* S_1 to S_2 */
+    const double s_12_1 = s[4] - s[1];
+    const double s_12_2 = s[5] - s[2];
+    const double s_13_0 = s[6] - s[0]; /* S_1 to S_3 */
+    const double s_13_1 = s[7] - s[1];
+    const double s_13_2 = s[8] - s[2];
+    const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
+    const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
+    const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
+    const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
+    const double sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
+    const double sense_2 = sense * sense;
+    const double s_n_w = s_n_2_a * sense_2;
+    const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
+    const double v_1 = sqrt(s_12_2_a); /* |s_12| */
+    const double t1 = 1.0 / v_1;
+    const double x_1_0 = s_12_0 * t1; /* (3.1) */
+    const double x_1_1 = s_12_1 * t1;
+    const double x_1_2 = s_12_2 * t1;
+    const double t2 = 1.0 / sqrt(s_n_w);
+    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
+    const double z_1_1 = t2 * (s_n_1 * sense);
+    const double z_1_2 = t2 * (s_n_2 * sense);
+    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
+    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
+    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
+    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
+    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double t3 = s_12_0 * x_1_0;
+    const double t4 = s_12_1 * x_1_1;
+    const double t5 = s_12_2 * x_1_2;
+    const double points_10 = t3 + t4 + t5;
+    const double d_12_0 = e_2_0 - e_1_0;
+    const double d_12_1 = e_2_1 - e_1_1;
+    const double d_13_0 = e_3_0 - e_1_0;
+    const double d_13_1 = e_3_1 - e_1_1;
+    const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double t6 = 1.0 / area;
+    const double u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6;
+    const double u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1));
+    const double u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0);
+    const double u_y_1 = t6 * (r_3_1 * d_12_0);
+    const double gap_0 = fabs(points_10) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
+    const double t7 = r_3_1 * r_3_1;
+    const double gap_1 = sqrt(r_3_0 * r_3_0 + t7) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double t8 = r_3_0 - t3 - t4 - t5;
+    const double t9 = d_13_0 - d_12_0;
+    const double t10 = d_13_1 - d_12_1;
+    const double gap_2 = sqrt(t7 + t8 * t8) - sqrt(t9 * t9 + t10 * t10);
+    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    flatness[0] = flatness_0;
+    points[0] = 0.0;
+    points[1] = 0.0;
+    points[2] = points_10;
+    points[3] = 0.0;
+    points[4] = r_3_0;
+    points[5] = r_3_1;
+    axes[0] = x_1_0;
+    axes[1] = y_1_0;
+    axes[2] = z_1_0;
+    axes[3] = x_1_1;
+    axes[4] = y_1_1;
+    axes[5] = z_1_1;
+    axes[6] = x_1_2;
+    axes[7] = y_1_2;
+    axes[8] = z_1_2;
+    ends[0] = e_1_0;
+    ends[1] = e_1_1;
+    ends[2] = e_2_0;
+    ends[3] = e_2_1;
+    ends[4] = e_3_0;
+    ends[5] = e_3_1;
+    linear[0] = u_x_0;
+    linear[1] = u_x_1;
+    linear[2] = u_y_0;
+    linear[3] = u_y_1;
+    linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
+    linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
+    *mismatch = mismatch_a;
+    agreement[0] = tolerance - mismatch_a;
+}
+
+/* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8
+ * divide) */
+static inline void krhpr_platform_spatial_a_gauss_newton_2(
+    const double state[6], const double weights[3], const double points[6], const double ends[4],
+    const double anchor[6], const double length[3], double *KRHPR_RESTRICT state_next,
+    double *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
+    const double f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
+    const double f_2_0 = state[4] + state[0] * ends[2] + state[2] * ends[3] - points[2];
+    const double f_2_1 = state[5] + state[1] * ends[2] + state[3] * ends[3] - points[3];
+    const double a_3_0 = state[4] + state[0] * anchor[4] + state[2] * anchor[5] - points[4]; /* S_3 to B_3 */
+    const double a_3_1 = state[5] + state[1] * anchor[4] + state[3] * anchor[5] - points[5];
+    const double J_00 = weights[0] * ends[0];
+    const double J_02 = weights[0] * ends[1];
+    const double J_20 = weights[0] * ends[2];
+    const double J_22 = weights[0] * ends[3];
+    const double t1 = 1.0 / length[2];
+    const double J_40 = weights[1] * (anchor[4] * a_3_0) * t1;
+    const double J_41 = t1 * (weights[1] * (anchor[4] * a_3_1));
+    const double J_42 = t1 * (weights[1] * (anchor[5] * a_3_0));
+    const double J_43 = t1 * (weights[1] * (anchor[5] * a_3_1));
+    const double J_44 = t1 * (weights[1] * a_3_0);
+    const double J_45 = t1 * (weights[1] * a_3_1);
+    const double J_50 = weights[2] * (state[0] * 2.0);
+    const double J_51 = weights[2] * (state[1] * 2.0);
+    const double J_62 = weights[2] * (state[2] * 2.0);
+    const double J_63 = weights[2] * (state[3] * 2.0);
+    const double J_70 = state[2] * weights[2];
+    const double J_71 = state[3] * weights[2];
+    const double J_72 = state[0] * weights[2];
+    const double J_73 = state[1] * weights[2];
+    const double r_0 = weights[0] * f_1_0;
+    const double r_1 = weights[0] * f_1_1;
+    const double r_2 = weights[0] * f_2_0;
+    const double r_3 = weights[0] * f_2_1;
+    const double r_4 = t1 * (weights[1] * 0.5 * (a_3_0 * a_3_0 + a_3_1 * a_3_1 - length[2] * length[2]));
+    const double r_5 = weights[2] * (state[0] * state[0] + state[1] * state[1] - 1.0);
+    const double r_6 = weights[2] * (state[2] * state[2] + state[3] * state[3] - 1.0);
+    const double r_7 = weights[2] * (state[0] * state[2] + state[1] * state[3]);
+    const double t2 = J_00 * J_00 + J_20 * J_20;
+    const double N_00 = t2 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70;
+    const double N_10 = J_40 * J_41 + J_50 * J_51 + J_70 * J_71;
+    const double N_11 = t2 + J_41 * J_41 + J_51 * J_51 + J_71 * J_71;
+    const double t3 = J_00 * J_02 + J_20 * J_22;
+    const double N_20 = t3 + J_40 * J_42 + J_70 * J_72;
+    const double N_21 = J_41 * J_42 + J_71 * J_72;
+    const double t4 = J_02 * J_02 + J_22 * J_22;
+    const double N_22 = t4 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72;
+    const double N_30 = J_40 * J_43 + J_70 * J_73;
+    const double N_31 = t3 + J_41 * J_43 + J_71 * J_73;
+    const double N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73;
+    const double N_33 = t4 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73;
+    const double t5 = weights[0] * J_00 + weights[0] * J_20;
+    const double N_40 = t5 + J_40 * J_44;
+    const double N_41 = J_41 * J_44;
+    const double t6 = weights[0] * J_02 + weights[0] * J_22;
+    const double N_42 = t6 + J_42 * J_44;
+    const double N_43 = J_43 * J_44;
+    const double t7 = 2.0 * (weights[0] * weights[0]);
+    const double N_44 = J_44 * J_44 + t7;
+    const double N_50 = J_40 * J_45;
+    const double N_51 = t5 + J_41 * J_45;
+    const double N_52 = J_42 * J_45;
+    const double N_53 = t6 + J_43 * J_45;
+    const double N_54 = J_44 * J_45;
+    const double N_55 = t7 + J_45 * J_45;
+    const double t8 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double L_50 = N_50 * E_0;
+    const double D_1 = N_11 - N_00 * (L_10 * L_10);
+    const double E_1 = 1.0 / D_1;
+    const double L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20));
+    const double L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30));
+    const double L_41 = E_1 * (N_41 - N_00 * (L_10 * L_40));
+    const double L_51 = E_1 * (N_51 - N_00 * (L_10 * L_50));
+    const double D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20);
+    const double E_2 = 1.0 / D_2;
+    const double t9 = D_1 * L_21;
+    const double L_32 = E_2 * (N_32 - L_31 * t9 - N_00 * (L_20 * L_30));
+    const double L_42 = E_2 * (N_42 - L_41 * t9 - N_00 * (L_20 * L_40));
+    const double L_52 = E_2 * (N_52 - L_51 * t9 - N_00 * (L_20 * L_50));
+    const double D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30);
+    const double E_3 = 1.0 / D_3;
+    const double t10 = D_1 * L_31;
+    const double t11 = D_2 * L_32;
+    const double L_43 = E_3 * (N_43 - L_41 * t10 - L_42 * t11 - N_00 * (L_30 * L_40));
+    const double L_53 = E_3 * (N_53 - L_51 * t10 - L_52 * t11 - N_00 * (L_30 * L_50));
+    const double D_4 = N_44 - D_1 * (L_41 * L_41) - D_2 * (L_42 * L_42) - D_3 * (L_43 * L_43) - N_00 * (L_40 * L_40);
+    const double E_4 = 1.0 / D_4;
+    const double t12 = N_54 - L_51 * (D_1 * L_41) - L_52 * (D_2 * L_42) - L_53 * (D_3 * L_43) - N_00 * (L_40 * L_50);
+    const double L_54 = E_4 * t12;
+    const double t13 = N_55 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54);
+    const double D_5 = t13 - N_00 * (L_50 * L_50);
+    const double y_1 = t8 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_41 * r_4 + J_51 * r_5 + J_71 * r_7);
+    const double y_2 = t8 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1;
+    const double t14 = t8 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1;
+    const double y_3 = t14 - L_32 * y_2;
+    const double t15 = t8 * L_40 - (J_44 * r_4 + weights[0] * r_0 + weights[0] * r_2) - L_41 * y_1 - L_42 * y_2;
+    const double y_4 = t15 - L_43 * y_3;
+    const double t16 = t8 * L_50 - (J_45 * r_4 + weights[0] * r_1 + weights[0] * r_3) - L_51 * y_1 - L_52 * y_2;
+    const double y_5 = t16 - L_53 * y_3 - L_54 * y_4;
+    const double x_5 = y_5 / D_5;
+    const double x_4 = E_4 * y_4 - L_54 * x_5;
+    const double x_3 = E_3 * y_3 - L_43 * x_4 - L_53 * x_5;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 - L_52 * x_5;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 - L_41 * x_4 - L_51 * x_5;
+    const double t17 = t8 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + L_50 * x_5;
+    const double size = ends[0] * ends[0] + ends[1] * ends[1] + ends[2] * ends[2] + ends[3] * ends[3];
+    state_next[0] = state[0] - t17;
+    state_next[1] = state[1] + x_1;
+    state_next[2] = state[2] + x_2;
+    state_next[3] = state[3] + x_3;
+    state_next[4] = state[4] + x_4;
+    state_next[5] = state[5] + x_5;
+    change[0] = t17 * t17 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + x_5 * x_5) / size;
+}
+
+/* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
+ * divide) */
+static inline void krhpr_platform_spatial_a_gauss_newton_3(
+    const double state[6], const double weights[3], const double points[6], const double ends[6],
+    double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
+    const double f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
+    const double f_2_0 = state[4] + state[0] * ends[2] + state[2] * ends[3] - points[2];
+    const double f_2_1 = state[5] + state[1] * ends[2] + state[3] * ends[3] - points[3];
+    const double f_3_0 = state[4] + state[0] * ends[4] + state[2] * ends[5] - points[4];
+    const double f_3_1 = state[5] + state[1] * ends[4] + state[3] * ends[5] - points[5];
+    const double J_00 = weights[0] * ends[0];
+    const double J_02 = weights[0] * ends[1];
+    const double J_20 = weights[0] * ends[2];
+    const double J_22 = weights[0] * ends[3];
+    const double J_40 = weights[0] * ends[4];
+    const double J_42 = weights[0] * ends[5];
+    const double J_60 = weights[2] * (state[0] * 2.0);
+    const double J_61 = weights[2] * (state[1] * 2.0);
+    const double J_72 = weights[2] * (state[2] * 2.0);
+    const double J_73 = weights[2] * (state[3] * 2.0);
+    const double J_80 = state[2] * weights[2];
+    const double J_81 = state[3] * weights[2];
+    const double J_82 = state[0] * weights[2];
+    const double J_83 = state[1] * weights[2];
+    const double r_0 = weights[0] * f_1_0;
+    const double r_1 = weights[0] * f_1_1;
+    const double r_2 = weights[0] * f_2_0;
+    const double r_3 = weights[0] * f_2_1;
+    const double r_4 = weights[0] * f_3_0;
+    const double r_5 = weights[0] * f_3_1;
+    const double r_6 = weights[2] * (state[0] * state[0] + state[1] * state[1] - 1.0);
+    const double r_7 = weights[2] * (state[2] * state[2] + state[3] * state[3] - 1.0);
+    const double r_8 = weights[2] * (state[0] * state[2] + state[1] * state[3]);
+    const double t1 = J_00 * J_00 + J_20 * J_20 + J_40 * J_40;
+    const double N_00 = t1 + J_60 * J_60 + J_80 * J_80;
+    const double N_10 = J_60 * J_61 + J_80 * J_81;
+    const double N_11 = t1 + J_61 * J_61 + J_81 * J_81;
+    const double t2 = J_00 * J_02 + J_20 * J_22 + J_40 * J_42;
+    const double N_20 = t2 + J_80 * J_82;
+    const double N_21 = J_81 * J_82;
+    const double t3 = J_02 * J_02 + J_22 * J_22 + J_42 * J_42;
+    const double N_22 = t3 + J_72 * J_72 + J_82 * J_82;
+    const double N_30 = J_80 * J_83;
+    const double N_31 = t2 + J_81 * J_83;
+    const double N_32 = J_72 * J_73 + J_82 * J_83;
+    const double N_33 = t3 + J_73 * J_73 + J_83 * J_83;
+    const double N_40 = weights[0] * J_00 + weights[0] * J_20 + weights[0] * J_40;
+    const double N_42 = weights[0] * J_02 + weights[0] * J_22 + weights[0] * J_42;
+    const double N_44 = 3.0 * (weights[0] * weights[0]);
+    const double t4 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_60 * r_6 + J_80 * r_8;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double t5 = N_00 * (L_10 * L_10);
+    const double D_1 = N_11 - t5;
+    const double E_1 = 1.0 / D_1;
+    const double L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20));
+    const double L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30));
+    const double t6 = N_00 * (L_40 * (L_10 * E_1));
+    const double L_51 = N_40 * E_1;
+    const double D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20);
+    const double E_2 = 1.0 / D_2;
+    const double t7 = D_1 * L_21;
+    const double L_32 = E_2 * (N_32 - L_31 * t7 - N_00 * (L_20 * L_30));
+    const double L_42 = E_2 * (N_42 + t6 * t7 - N_00 * (L_20 * L_40));
+    const double L_52 = L_51 * (L_21 * (E_2 * (t5 - N_11)));
+    const double D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30);
+    const double E_3 = 1.0 / D_3;
+    const double t8 = D_1 * L_31;
+    const double t9 = D_2 * L_32;
+    const double t10 = E_3 * (L_42 * t9 - t6 * t8 + N_00 * (L_30 * L_40));
+    const double L_53 = E_3 * (N_42 - L_51 * t8 - L_52 * t9);
+    const double D_4 = N_44 - D_1 * (t6 * t6) - D_2 * (L_42 * L_42) - D_3 * (t10 * t10) - N_00 * (L_40 * L_40);
+    const double E_4 = 1.0 / D_4;
+    const double L_54 = E_4 * (L_53 * (D_3 * t10) - (L_52 * (D_2 * L_42) - L_51 * (D_1 * t6)));
+    const double D_5 = N_44 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54);
+    const double y_1 = t4 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_40 * r_5 + J_61 * r_6 + J_81 * r_8);
+    const double y_2 = t4 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_72 * r_7 + J_82 * r_8) - L_21 * y_1;
+    const double t11 = t4 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_42 * r_5 + J_73 * r_7 + J_83 * r_8) - L_31 * y_1;
+    const double y_3 = t11 - L_32 * y_2;
+    const double t12 = t4 * L_40 - (weights[0] * r_0 + weights[0] * r_2 + weights[0] * r_4) + t6 * y_1;
+    const double y_4 = t12 - L_42 * y_2 + t10 * y_3;
+    const double t13 = weights[0] * r_1 + weights[0] * r_3 + weights[0] * r_5 + L_51 * y_1 + L_52 * y_2;
+    const double t14 = (t13 + L_53 * y_3 + L_54 * y_4) / D_5;
+    const double x_4 = E_4 * y_4 + L_54 * t14;
+    const double x_3 = E_3 * y_3 + t10 * x_4 + L_53 * t14;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t14;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + t6 * x_4 + L_51 * t14;
+    const double t15 = t4 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4;
+    const double t16 = ends[0] * ends[0] + ends[1] * ends[1] + ends[2] * ends[2] + ends[3] * ends[3] + ends[4] * ends[4];
+    const double size = t16 + ends[5] * ends[5];
+    state_next[0] = state[0] - t15;
+    state_next[1] = state[1] + x_1;
+    state_next[2] = state[2] + x_2;
+    state_next[3] = state[3] + x_3;
+    state_next[4] = state[4] + x_4;
+    state_next[5] = state[5] - t14;
+    change[0] = t15 * t15 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t14 * t14) / size;
+}
+
+/* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1 divide, 1
+ * square root) */
+static inline void krhpr_platform_spatial_a_encoder_pose(
+    const double s[9], const double state[6], const double axes[9], double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw)
+{
+    const double norm = 1.0 / sqrt(state[0] * state[0] + state[1] * state[1]);
+    const double cos = state[0] * norm;
+    const double sin = state[1] * norm;
+    p[0] = s[0] + state[4] * axes[0] + state[5] * axes[1];
+    p[1] = s[1] + state[4] * axes[3] + state[5] * axes[4];
+    p[2] = s[2] + state[4] * axes[6] + state[5] * axes[7];
+    Q[0] = axes[0] * cos + axes[1] * sin;
+    Q[1] = axes[1] * cos - axes[0] * sin;
+    Q[2] = axes[2];
+    Q[3] = axes[3] * cos + axes[4] * sin;
+    Q[4] = axes[4] * cos - axes[3] * sin;
+    Q[5] = axes[5];
+    Q[6] = axes[6] * cos + axes[7] * sin;
+    Q[7] = axes[7] * cos - axes[6] * sin;
+    Q[8] = axes[8];
+    raw[0] = state[0] * axes[0] + state[1] * axes[1];
+    raw[1] = state[2] * axes[0] + state[3] * axes[1];
+    raw[2] = axes[2];
+    raw[3] = state[0] * axes[3] + state[1] * axes[4];
+    raw[4] = state[2] * axes[3] + state[3] * axes[4];
+    raw[5] = axes[5];
+    raw[6] = state[0] * axes[6] + state[1] * axes[7];
+    raw[7] = state[2] * axes[6] + state[3] * axes[7];
+    raw[8] = axes[8];
 }
 
 #endif

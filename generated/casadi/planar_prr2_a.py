@@ -591,6 +591,110 @@ def type_2_of_redundant(geometry: Any) -> Any:
     return call.function({"type_2": type_2, "margins": margins})
 
 
+def forward_encoders_1(geometry: Any) -> Any:
+    """The pose with an encoder at the first redundant joint: of two solutions the one that fits the
+    third link's length."""
+    call = rt.Call(
+        "forward_encoders_1",
+        (
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("measured", (1,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("mismatch", (), "shared"),
+            rt.Port("other_mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    turns = platform.turns_1(call.whole("measured"))
+    anchor: list[Any] = []
+    length: list[Any] = []
+    arm: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        anchor_i, length_i = platform.tie(platform.prepare(fields))
+        arm_i = platform.arm(platform.prepare(fields))
+        anchor += anchor_i
+        length += length_i
+        arm += arm_i
+    _radicand, p, phi, mismatch, other_mismatch, _agreement, _apart = platform.one_encoder(
+            call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
+    return call.function({"p": p, "phi": phi, "mismatch": mismatch, "other_mismatch": other_mismatch})
+
+
+def forward_encoders_2(geometry: Any) -> Any:
+    """The pose with encoders at two redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_2",
+        (
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("measured", (2,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("raw", (2, 2), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    turns = platform.turns_2(call.whole("measured"))
+    anchor: list[Any] = []
+    length: list[Any] = []
+    arm: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        anchor_i, length_i = platform.tie(platform.prepare(fields))
+        arm_i = platform.arm(platform.prepare(fields))
+        anchor += anchor_i
+        length += length_i
+        arm += arm_i
+    _points, _ends, linear, mismatch, _agreement = platform.two_encoders(
+            call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
+    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
+
+
+def forward_encoders_3(geometry: Any) -> Any:
+    """The pose with encoders at three redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_3",
+        (
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("measured", (3,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("raw", (2, 2), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    turns = platform.turns_3(call.whole("measured"))
+    anchor: list[Any] = []
+    length: list[Any] = []
+    arm: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        anchor_i, length_i = platform.tie(platform.prepare(fields))
+        arm_i = platform.arm(platform.prepare(fields))
+        anchor += anchor_i
+        length += length_i
+        arm += arm_i
+    _points, _ends, linear, mismatch, _agreement = platform.three_encoders(
+            call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
+    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
+
+
 FUNCTIONS = {
     "end_points": end_points,
     "redundant_coordinates": redundant_coordinates,
@@ -612,4 +716,7 @@ FUNCTIONS = {
     "link_points": link_points,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
+    "forward_encoders_1": forward_encoders_1,
+    "forward_encoders_2": forward_encoders_2,
+    "forward_encoders_3": forward_encoders_3,
 }

@@ -625,6 +625,64 @@ def forward(geometry: Any) -> Any:
     return call.function({"p": p, "phi": phi, "redundant": redundant, "count": count, "certified": certified})
 
 
+def forward_encoders_2(geometry: Any) -> Any:
+    """The pose with encoders at two redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_2",
+        (
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("measured", (2,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("raw", (2, 2), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+    _points, _ends, linear, mismatch, _agreement = platform.two_encoders(
+            call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
+    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
+
+
+def forward_encoders_3(geometry: Any) -> Any:
+    """The pose with encoders at three redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_3",
+        (
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("measured", (3,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("raw", (2, 2), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+    _points, _ends, linear, mismatch, _agreement = platform.three_encoders(
+            call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
+    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
+
+
 FUNCTIONS = {
     "end_points": end_points,
     "redundant_coordinates": redundant_coordinates,
@@ -647,4 +705,6 @@ FUNCTIONS = {
     "type_2_of_redundant": type_2_of_redundant,
     "forward_all": forward_all,
     "forward": forward,
+    "forward_encoders_2": forward_encoders_2,
+    "forward_encoders_3": forward_encoders_3,
 }

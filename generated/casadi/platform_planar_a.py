@@ -30,7 +30,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_r=fields["l_r"],
         e_r=(e_r_0, e_r_1,),
         b=(R_p * e_r_0, R_p * e_r_1,),
-        k=(0.5 * (l_r * l_r), 1 / l_r,),
+        k=(0.5 * (l_r * l_r), 1 / l_r, l_r * e_r_0, l_r * e_r_1,),
     )
 
 
@@ -656,4 +656,719 @@ def uniqueness(anchor: Any, length: Any, box: Any) -> tuple[Any, ...]:
         (409061543436171 / 156250000000000) - box_11,
         box_20 - (1308996938995747 / 2500000000000000),
         (409061543436171 / 156250000000000) - box_21,
+    )
+
+
+def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> tuple[Any, ...]:
+    """The pose nearby in the platform's plane, and whether steps from it are certain to converge.
+    Thesis: 3.2.2, (3.4) to (3.9).  (73 add, 101 multiply, 4 divide, 7 square root, 1 select)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    p_near_0, p_near_1 = p_near
+    Q_near_00, Q_near_01, Q_near_10, Q_near_11 = Q_near
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    a_1_0 = p_near_0 + anchor_00 * Q_near_00 + anchor_01 * Q_near_01 - s_00
+    a_1_1 = p_near_1 + anchor_00 * Q_near_10 + anchor_01 * Q_near_11 - s_01
+    Rd_2_0 = Q_near_00 * d_2_0 - Q_near_10 * d_2_1
+    Rd_2_1 = Q_near_00 * d_2_1 + Q_near_10 * d_2_0
+    Rd_3_0 = Q_near_00 * d_3_0 - Q_near_10 * d_3_1
+    Rd_3_1 = Q_near_00 * d_3_1 + Q_near_10 * d_3_0
+    b_2_0 = a_1_0 + Rd_2_0 - s_12_0  # S_i to B_i
+    b_2_1 = a_1_1 + Rd_2_1 - s_12_1
+    b_3_0 = a_1_0 + Rd_3_0 - s_13_0
+    b_3_1 = a_1_1 + Rd_3_1 - s_13_1
+    t1 = d_2_0 * d_2_0
+    t2 = d_2_1 * d_2_1
+    t3 = d_3_0 * d_3_0
+    t4 = d_3_1 * d_3_1
+    L_2 = 0.5 * t1 + 0.5 * t2 + 0.5 * t3 + 0.5 * t4  # the platform's size, squared
+    L = ca.sqrt(L_2)
+    F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length_0 * length_0)
+    F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length_1 * length_1)
+    F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length_2 * length_2)
+    t5 = 1 / L
+    G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t5
+    G_3 = t5 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0)
+    mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0
+    mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1
+    mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0
+    det = G_2 * mu_2 + G_3 * mu_3
+    inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2
+    inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3
+    t6 = a_1_1 * G_3
+    inv_2_2 = a_1_0 * G_3
+    inv_3_1 = a_1_1 * G_2
+    t7 = a_1_0 * G_2
+    t8 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t6 * t6 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1
+    b_2 = (t8 + t7 * t7 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det)  # b squared
+    t9 = F_1 * inv_1_1 - F_2 * t6 + F_3 * inv_3_1
+    t10 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t7
+    t11 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3
+    step = ca.sqrt(t9 * t9 + t10 * t10 + t11 * t11) / ca.fabs(det)  # n
+    q_2 = ca.sqrt(t1 + t2)  # |d_i|
+    o_2_0 = b_2_0 - Rd_2_0
+    o_2_1 = b_2_1 - Rd_2_1
+    t12 = step * 2
+    t13 = 1 / L_2
+    bent_2 = q_2 * (ca.sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t12) * t13
+    q_3 = ca.sqrt(t3 + t4)  # |d_i|
+    o_3_0 = b_3_0 - Rd_3_0
+    o_3_1 = b_3_1 - Rd_3_1
+    bent_3 = t13 * (q_3 * (t12 + ca.sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)))
+    t14 = 6 + bent_2 * bent_2 + bent_3 * bent_3 + t13 * (2 * (q_2 * q_2)) + t13 * (2 * (q_3 * q_3))
+    return (
+        (  # points
+            0,
+            0,
+            s_12_0,
+            s_12_1,
+            s_13_0,
+            s_13_1,
+        ),
+        (  # centre
+            Q_near_00,
+            Q_near_10,
+        ),
+        (  # start
+            0,
+            a_1_0,
+            a_1_1,
+            Q_near_00,
+            Q_near_10,
+        ),
+        (  # kantorovich
+            t12 * ca.sqrt(b_2 * t14),
+        ),
+    )
+
+
+def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
+    """One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4
+    divide, 1 square root, 1 sine cosine)"""
+    state_0, state_1, state_2, _state_3, _state_4 = state
+    centre_0, centre_1 = centre
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    t1 = ca.cos(state_0)
+    t2 = ca.sin(state_0)
+    cos = centre_0 * t1 - centre_1 * t2
+    sin = centre_0 * t2 + centre_1 * t1
+    a_1_on_0 = state_1 - points_00
+    a_1_on_1 = state_2 - points_01
+    t3 = d_2_0 * cos
+    t4 = d_2_1 * sin
+    a_2_on_0 = state_1 + t3 - points_10 - t4
+    t5 = d_2_1 * cos
+    t6 = d_2_0 * sin
+    a_2_on_1 = state_2 + t5 + t6 - points_11
+    t7 = d_3_0 * cos
+    t8 = d_3_1 * sin
+    a_3_on_0 = state_1 + t7 - points_20 - t8
+    t9 = d_3_1 * cos
+    t10 = d_3_0 * sin
+    a_3_on_1 = state_2 + t9 + t10 - points_21
+    f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length_0 * length_0)
+    f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length_1 * length_1)
+    f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length_2 * length_2)
+    g_2_on = a_2_on_1 * (t3 - t4) - a_2_on_0 * (t5 + t6)
+    g_3_on = a_3_on_1 * (t7 - t8) - a_3_on_0 * (t9 + t10)
+    lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0
+    lambda_2_on = a_1_on_1 * a_3_on_0 - a_1_on_0 * a_3_on_1
+    lambda_3_on = a_1_on_0 * a_2_on_1 - a_1_on_1 * a_2_on_0
+    t11 = (f_1_on * lambda_1_on + f_2_on * lambda_2_on + f_3_on * lambda_3_on) / (g_2_on * lambda_2_on + g_3_on * lambda_3_on)
+    t12 = g_2_on * t11 - f_2_on
+    t13 = g_3_on * t11 - f_3_on
+    t14 = lambda_1_on * (a_3_on_1 * t12 - a_2_on_1 * t13) + lambda_2_on * (a_1_on_1 * t13 + a_3_on_1 * f_1_on)
+    t15 = lambda_1_on * lambda_1_on + lambda_2_on * lambda_2_on + lambda_3_on * lambda_3_on
+    t16 = 1 / t15
+    move_on_0 = (t14 - lambda_3_on * (a_1_on_1 * t12 + a_2_on_1 * f_1_on)) * t16
+    t17 = lambda_1_on * (a_2_on_0 * t13 - a_3_on_0 * t12) - lambda_2_on * (a_1_on_0 * t13 + a_3_on_0 * f_1_on)
+    move_on_1 = t16 * (t17 + lambda_3_on * (a_1_on_0 * t12 + a_2_on_0 * f_1_on))
+    t18 = t11 * t11
+    norm_on = 1 / ca.sqrt(1 + t18)
+    cos_on = norm_on * (cos + sin * t11)
+    sin_on = norm_on * (sin - cos * t11)
+    size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1
+    return (
+        (  # state_next
+            state_0 - t11,
+            state_1 + move_on_0,
+            state_2 + move_on_1,
+            cos_on,
+            sin_on,
+        ),
+        (  # change
+            t18 + (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size,
+        ),
+    )
+
+
+def newton_pose(s: Any, state: Any, anchor: Any, points: Any) -> tuple[Any, ...]:
+    """The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (36 add, 36 multiply, 4
+    arctangent)"""
+    s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
+    _state_0, state_1, state_2, state_3, state_4 = state
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    t1 = anchor_10 - anchor_00
+    t2 = anchor_11 - anchor_01
+    Rd_2_0 = state_3 * t1 - state_4 * t2
+    Rd_2_1 = state_3 * t2 + state_4 * t1
+    t3 = anchor_20 - anchor_00
+    t4 = anchor_21 - anchor_01
+    Rd_3_0 = state_3 * t3 - state_4 * t4
+    Rd_3_1 = state_3 * t4 + state_4 * t3
+    a_1_0 = state_1 - points_00  # S_i to B_i
+    a_1_1 = state_2 - points_01
+    a_2_0 = state_1 + Rd_2_0 - points_10
+    a_2_1 = state_2 + Rd_2_1 - points_11
+    a_3_0 = state_1 + Rd_3_0 - points_20
+    a_3_1 = state_2 + Rd_3_1 - points_21
+    p_l_0 = state_1 + state_4 * anchor_01 - state_3 * anchor_00
+    p_l_1 = state_2 - state_4 * anchor_00 - state_3 * anchor_01
+    u_1_0 = state_3 * a_1_0 + state_4 * a_1_1  # in the platform frame
+    u_1_1 = state_3 * a_1_1 - state_4 * a_1_0
+    u_2_0 = state_3 * a_2_0 + state_4 * a_2_1
+    u_2_1 = state_3 * a_2_1 - state_4 * a_2_0
+    u_3_0 = state_3 * a_3_0 + state_4 * a_3_1
+    u_3_1 = state_3 * a_3_1 - state_4 * a_3_0
+    redundant_0 = ca.atan2(anchor_01 * u_1_0 - anchor_00 * u_1_1, anchor_00 * u_1_0 + anchor_01 * u_1_1)
+    redundant_1 = ca.atan2(anchor_11 * u_2_0 - anchor_10 * u_2_1, anchor_10 * u_2_0 + anchor_11 * u_2_1)
+    redundant_2 = ca.atan2(anchor_21 * u_3_0 - anchor_20 * u_3_1, anchor_20 * u_3_0 + anchor_21 * u_3_1)
+    return (
+        (  # p
+            s_00 + p_l_0,
+            s_01 + p_l_1,
+        ),
+        (  # phi
+            ca.atan2(state_4, state_3),
+        ),
+        (  # redundant
+            redundant_0,
+            redundant_1,
+            redundant_2,
+        ),
+    )
+
+
+def arm(g: Any) -> tuple[Any, ...]:
+    """The redundant link where its angle is a half turn.  (no operations)"""
+    return (
+        g.k[2],
+        g.k[3],
+    )
+
+
+def turns_1(measured: Any) -> tuple[Any, ...]:
+    """Cosines and sines of measured angles.  (1 sine cosine)"""
+    measured_0, = measured
+    return (
+        ca.cos(measured_0),
+        ca.sin(measured_0),
+    )
+
+
+def turns_2(measured: Any) -> tuple[Any, ...]:
+    """Cosines and sines of measured angles.  (2 sine cosine)"""
+    measured_0, measured_1 = measured
+    return (
+        ca.cos(measured_0),
+        ca.sin(measured_0),
+        ca.cos(measured_1),
+        ca.sin(measured_1),
+    )
+
+
+def turns_3(measured: Any) -> tuple[Any, ...]:
+    """Cosines and sines of measured angles.  (3 sine cosine)"""
+    measured_0, measured_1, measured_2 = measured
+    return (
+        ca.cos(measured_0),
+        ca.sin(measured_0),
+        ca.cos(measured_1),
+        ca.sin(measured_1),
+        ca.cos(measured_2),
+        ca.sin(measured_2),
+    )
+
+
+def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (45 add, 46
+    multiply, 2 divide, 3 square root, 1 arctangent, 5 select)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    turns_00, turns_01 = turns
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    _length_0, length_1, length_2 = length
+    arm_00, arm_01, _arm_10, _arm_11, _arm_20, _arm_21 = arm
+    tolerance, = tolerance
+    e_1_0 = anchor_00 - turns_00 * arm_00 - turns_01 * arm_01  # S_i in the platform frame
+    e_1_1 = anchor_01 + turns_01 * arm_00 - turns_00 * arm_01
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    w_2_0 = anchor_10 - e_1_0  # S_1 to B_i
+    w_2_1 = anchor_11 - e_1_1
+    w_3_0 = anchor_20 - e_1_0
+    w_3_1 = anchor_21 - e_1_1
+    M = s_12_0 * w_2_0 + s_12_1 * w_2_1
+    L = s_12_1 * w_2_0 - s_12_0 * w_2_1
+    t1 = 0.5 * (s_12_0 * s_12_0) + 0.5 * (s_12_1 * s_12_1) + 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1)
+    N = t1 - 0.5 * (length_1 * length_1)
+    ML_2 = L * L + M * M
+    t2 = 1 / ML_2
+    radicand_a = 1 - N * N * t2
+    root = ca.sqrt(t2 * radicand_a)
+    middle = N * t2
+    t3 = M * middle
+    t4 = L * root
+    cos_plus = t3 - t4
+    t5 = L * middle
+    t6 = M * root
+    sin_plus = t5 + t6
+    a_3_plus_0 = w_3_0 * cos_plus - s_13_0 - w_3_1 * sin_plus  # S_3 to B_3
+    a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - s_13_1
+    miss_plus = ca.sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length_2
+    t7 = ca.fabs(miss_plus)
+    cos_minus = t3 + t4
+    sin_minus = t5 - t6
+    a_3_minus_0 = w_3_0 * cos_minus - s_13_0 - w_3_1 * sin_minus  # S_3 to B_3
+    a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - s_13_1
+    miss_minus = ca.sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length_2
+    t8 = ca.fabs(miss_minus)
+    gap = t8 - t7
+    sign = gap / ca.fabs(gap)
+    cos = t3 - t4 * sign
+    sin = t5 + t6 * sign
+    mismatch_a = ca.fmin(t7, t8)
+    other_mismatch_a = ca.fmax(t7, t8)
+    return (
+        (  # radicand
+            radicand_a,
+        ),
+        (  # p
+            s_00 + e_1_1 * sin - e_1_0 * cos,
+            s_01 - e_1_1 * cos - e_1_0 * sin,
+        ),
+        (  # phi
+            ca.atan2(sin, cos),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # other_mismatch
+            other_mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+        (  # apart
+            other_mismatch_a - tolerance,
+        ),
+    )
+
+
+def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
+    """Orientation and position in the plane from the end points and two redundant coordinates.
+    Thesis: 3.2.4, (3.24).  (22 add, 22 multiply, 1 divide, 2 square root, 1 select)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    turns_00, turns_01, turns_10, turns_11 = turns
+    anchor_00, anchor_01, anchor_10, anchor_11, _anchor_20, _anchor_21 = anchor
+    arm_00, arm_01, arm_10, arm_11, _arm_20, _arm_21 = arm
+    tolerance, = tolerance
+    e_1_0 = anchor_00 - turns_00 * arm_00 - turns_01 * arm_01  # S_i in the platform frame
+    e_1_1 = anchor_01 + turns_01 * arm_00 - turns_00 * arm_01
+    e_2_0 = anchor_10 - turns_10 * arm_10 - turns_11 * arm_11
+    e_2_1 = anchor_11 + turns_11 * arm_10 - turns_10 * arm_11
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    d_12_0 = e_2_0 - e_1_0
+    d_12_1 = e_2_1 - e_1_1
+    d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    t1 = 1 / d_12_2
+    cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1
+    sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
+    gap_0 = ca.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - ca.sqrt(d_12_2)
+    mismatch_a = ca.fabs(gap_0)
+    return (
+        (  # points
+            0,
+            0,
+            s_12_0,
+            s_12_1,
+            s_13_0,
+            s_13_1,
+        ),
+        (  # ends
+            e_1_0,
+            e_1_1,
+            e_2_0,
+            e_2_1,
+        ),
+        (  # linear
+            cos,
+            sin,
+            -sin,
+            cos,
+            e_1_1 * sin - e_1_0 * cos,
+            -(e_1_1 * cos + e_1_0 * sin),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+    )
+
+
+def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
+    """Orientation and position in the plane from the end points and three redundant coordinates.
+    Thesis: 3.2.5, (3.30).  (41 add, 42 multiply, 1 divide, 6 square root, 5 select)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    arm_00, arm_01, arm_10, arm_11, arm_20, arm_21 = arm
+    tolerance, = tolerance
+    e_1_0 = anchor_00 - turns_00 * arm_00 - turns_01 * arm_01  # S_i in the platform frame
+    e_1_1 = anchor_01 + turns_01 * arm_00 - turns_00 * arm_01
+    e_2_0 = anchor_10 - turns_10 * arm_10 - turns_11 * arm_11
+    e_2_1 = anchor_11 + turns_11 * arm_10 - turns_10 * arm_11
+    e_3_0 = anchor_20 - turns_20 * arm_20 - turns_21 * arm_21
+    e_3_1 = anchor_21 + turns_21 * arm_20 - turns_20 * arm_21
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    d_12_0 = e_2_0 - e_1_0
+    d_12_1 = e_2_1 - e_1_1
+    d_13_0 = e_3_0 - e_1_0
+    d_13_1 = e_3_1 - e_1_1
+    area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    t1 = 1 / area
+    u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t1
+    u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
+    u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
+    u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
+    gap_0 = ca.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - ca.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
+    gap_1 = ca.sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - ca.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    t2 = s_13_0 - s_12_0
+    t3 = s_13_1 - s_12_1
+    t4 = d_13_0 - d_12_0
+    t5 = d_13_1 - d_12_1
+    gap_2 = ca.sqrt(t2 * t2 + t3 * t3) - ca.sqrt(t4 * t4 + t5 * t5)
+    mismatch_a = ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2))
+    return (
+        (  # points
+            0,
+            0,
+            s_12_0,
+            s_12_1,
+            s_13_0,
+            s_13_1,
+        ),
+        (  # ends
+            e_1_0,
+            e_1_1,
+            e_2_0,
+            e_2_1,
+            e_3_0,
+            e_3_1,
+        ),
+        (  # linear
+            u_x_0,
+            u_x_1,
+            u_y_0,
+            u_y_1,
+            -(e_1_0 * u_x_0 + e_1_1 * u_y_0),
+            -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+    )
+
+
+def gauss_newton_2(
+    state: Any, weights: Any, points: Any, ends: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
+    """One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264
+    multiply, 8 divide)"""
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    weights_0, weights_1, weights_2 = weights
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    ends_00, ends_01, ends_10, ends_11 = ends
+    _anchor_00, _anchor_01, _anchor_10, _anchor_11, anchor_20, anchor_21 = anchor
+    _length_0, _length_1, length_2 = length
+    f_1_0 = state_4 + state_0 * ends_00 + state_2 * ends_01 - points_00  # of s_i = p + Q d_i
+    f_1_1 = state_5 + state_1 * ends_00 + state_3 * ends_01 - points_01
+    f_2_0 = state_4 + state_0 * ends_10 + state_2 * ends_11 - points_10
+    f_2_1 = state_5 + state_1 * ends_10 + state_3 * ends_11 - points_11
+    a_3_0 = state_4 + state_0 * anchor_20 + state_2 * anchor_21 - points_20  # S_3 to B_3
+    a_3_1 = state_5 + state_1 * anchor_20 + state_3 * anchor_21 - points_21
+    J_00 = weights_0 * ends_00
+    J_02 = weights_0 * ends_01
+    J_20 = weights_0 * ends_10
+    J_22 = weights_0 * ends_11
+    t1 = 1 / length_2
+    J_40 = weights_1 * (anchor_20 * a_3_0) * t1
+    J_41 = t1 * (weights_1 * (anchor_20 * a_3_1))
+    J_42 = t1 * (weights_1 * (anchor_21 * a_3_0))
+    J_43 = t1 * (weights_1 * (anchor_21 * a_3_1))
+    J_44 = t1 * (weights_1 * a_3_0)
+    J_45 = t1 * (weights_1 * a_3_1)
+    J_50 = weights_2 * (state_0 * 2)
+    J_51 = weights_2 * (state_1 * 2)
+    J_62 = weights_2 * (state_2 * 2)
+    J_63 = weights_2 * (state_3 * 2)
+    J_70 = state_2 * weights_2
+    J_71 = state_3 * weights_2
+    J_72 = state_0 * weights_2
+    J_73 = state_1 * weights_2
+    r_0 = weights_0 * f_1_0
+    r_1 = weights_0 * f_1_1
+    r_2 = weights_0 * f_2_0
+    r_3 = weights_0 * f_2_1
+    r_4 = t1 * (weights_1 * 0.5 * (a_3_0 * a_3_0 + a_3_1 * a_3_1 - length_2 * length_2))
+    r_5 = weights_2 * (state_0 * state_0 + state_1 * state_1 - 1)
+    r_6 = weights_2 * (state_2 * state_2 + state_3 * state_3 - 1)
+    r_7 = weights_2 * (state_0 * state_2 + state_1 * state_3)
+    t2 = J_00 * J_00 + J_20 * J_20
+    N_00 = t2 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70
+    N_10 = J_40 * J_41 + J_50 * J_51 + J_70 * J_71
+    N_11 = t2 + J_41 * J_41 + J_51 * J_51 + J_71 * J_71
+    t3 = J_00 * J_02 + J_20 * J_22
+    N_20 = t3 + J_40 * J_42 + J_70 * J_72
+    N_21 = J_41 * J_42 + J_71 * J_72
+    t4 = J_02 * J_02 + J_22 * J_22
+    N_22 = t4 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72
+    N_30 = J_40 * J_43 + J_70 * J_73
+    N_31 = t3 + J_41 * J_43 + J_71 * J_73
+    N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73
+    N_33 = t4 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73
+    t5 = weights_0 * J_00 + weights_0 * J_20
+    N_40 = t5 + J_40 * J_44
+    N_41 = J_41 * J_44
+    t6 = weights_0 * J_02 + weights_0 * J_22
+    N_42 = t6 + J_42 * J_44
+    N_43 = J_43 * J_44
+    t7 = 2 * (weights_0 * weights_0)
+    N_44 = J_44 * J_44 + t7
+    N_50 = J_40 * J_45
+    N_51 = t5 + J_41 * J_45
+    N_52 = J_42 * J_45
+    N_53 = t6 + J_43 * J_45
+    N_54 = J_44 * J_45
+    N_55 = t7 + J_45 * J_45
+    t8 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7
+    E_0 = 1 / N_00
+    L_10 = N_10 * E_0
+    L_20 = N_20 * E_0
+    L_30 = N_30 * E_0
+    L_40 = N_40 * E_0
+    L_50 = N_50 * E_0
+    D_1 = N_11 - N_00 * (L_10 * L_10)
+    E_1 = 1 / D_1
+    L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20))
+    L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30))
+    L_41 = E_1 * (N_41 - N_00 * (L_10 * L_40))
+    L_51 = E_1 * (N_51 - N_00 * (L_10 * L_50))
+    D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20)
+    E_2 = 1 / D_2
+    t9 = D_1 * L_21
+    L_32 = E_2 * (N_32 - L_31 * t9 - N_00 * (L_20 * L_30))
+    L_42 = E_2 * (N_42 - L_41 * t9 - N_00 * (L_20 * L_40))
+    L_52 = E_2 * (N_52 - L_51 * t9 - N_00 * (L_20 * L_50))
+    D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30)
+    E_3 = 1 / D_3
+    t10 = D_1 * L_31
+    t11 = D_2 * L_32
+    L_43 = E_3 * (N_43 - L_41 * t10 - L_42 * t11 - N_00 * (L_30 * L_40))
+    L_53 = E_3 * (N_53 - L_51 * t10 - L_52 * t11 - N_00 * (L_30 * L_50))
+    D_4 = N_44 - D_1 * (L_41 * L_41) - D_2 * (L_42 * L_42) - D_3 * (L_43 * L_43) - N_00 * (L_40 * L_40)
+    E_4 = 1 / D_4
+    t12 = N_54 - L_51 * (D_1 * L_41) - L_52 * (D_2 * L_42) - L_53 * (D_3 * L_43) - N_00 * (L_40 * L_50)
+    L_54 = E_4 * t12
+    t13 = N_55 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54)
+    D_5 = t13 - N_00 * (L_50 * L_50)
+    y_1 = t8 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_41 * r_4 + J_51 * r_5 + J_71 * r_7)
+    y_2 = t8 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1
+    t14 = t8 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1
+    y_3 = t14 - L_32 * y_2
+    t15 = t8 * L_40 - (J_44 * r_4 + weights_0 * r_0 + weights_0 * r_2) - L_41 * y_1 - L_42 * y_2
+    y_4 = t15 - L_43 * y_3
+    t16 = t8 * L_50 - (J_45 * r_4 + weights_0 * r_1 + weights_0 * r_3) - L_51 * y_1 - L_52 * y_2
+    y_5 = t16 - L_53 * y_3 - L_54 * y_4
+    x_5 = y_5 / D_5
+    x_4 = E_4 * y_4 - L_54 * x_5
+    x_3 = E_3 * y_3 - L_43 * x_4 - L_53 * x_5
+    x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 - L_52 * x_5
+    x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 - L_41 * x_4 - L_51 * x_5
+    t17 = t8 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + L_50 * x_5
+    size = ends_00 * ends_00 + ends_01 * ends_01 + ends_10 * ends_10 + ends_11 * ends_11
+    return (
+        (  # state_next
+            state_0 - t17,
+            state_1 + x_1,
+            state_2 + x_2,
+            state_3 + x_3,
+            state_4 + x_4,
+            state_5 + x_5,
+        ),
+        (  # change
+            t17 * t17 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + x_5 * x_5) / size,
+        ),
+    )
+
+
+def gauss_newton_3(state: Any, weights: Any, points: Any, ends: Any) -> tuple[Any, ...]:
+    """One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220
+    multiply, 7 divide)"""
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    weights_0, _weights_1, weights_2 = weights
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    ends_00, ends_01, ends_10, ends_11, ends_20, ends_21 = ends
+    f_1_0 = state_4 + state_0 * ends_00 + state_2 * ends_01 - points_00  # of s_i = p + Q d_i
+    f_1_1 = state_5 + state_1 * ends_00 + state_3 * ends_01 - points_01
+    f_2_0 = state_4 + state_0 * ends_10 + state_2 * ends_11 - points_10
+    f_2_1 = state_5 + state_1 * ends_10 + state_3 * ends_11 - points_11
+    f_3_0 = state_4 + state_0 * ends_20 + state_2 * ends_21 - points_20
+    f_3_1 = state_5 + state_1 * ends_20 + state_3 * ends_21 - points_21
+    J_00 = weights_0 * ends_00
+    J_02 = weights_0 * ends_01
+    J_20 = weights_0 * ends_10
+    J_22 = weights_0 * ends_11
+    J_40 = weights_0 * ends_20
+    J_42 = weights_0 * ends_21
+    J_60 = weights_2 * (state_0 * 2)
+    J_61 = weights_2 * (state_1 * 2)
+    J_72 = weights_2 * (state_2 * 2)
+    J_73 = weights_2 * (state_3 * 2)
+    J_80 = state_2 * weights_2
+    J_81 = state_3 * weights_2
+    J_82 = state_0 * weights_2
+    J_83 = state_1 * weights_2
+    r_0 = weights_0 * f_1_0
+    r_1 = weights_0 * f_1_1
+    r_2 = weights_0 * f_2_0
+    r_3 = weights_0 * f_2_1
+    r_4 = weights_0 * f_3_0
+    r_5 = weights_0 * f_3_1
+    r_6 = weights_2 * (state_0 * state_0 + state_1 * state_1 - 1)
+    r_7 = weights_2 * (state_2 * state_2 + state_3 * state_3 - 1)
+    r_8 = weights_2 * (state_0 * state_2 + state_1 * state_3)
+    t1 = J_00 * J_00 + J_20 * J_20 + J_40 * J_40
+    N_00 = t1 + J_60 * J_60 + J_80 * J_80
+    N_10 = J_60 * J_61 + J_80 * J_81
+    N_11 = t1 + J_61 * J_61 + J_81 * J_81
+    t2 = J_00 * J_02 + J_20 * J_22 + J_40 * J_42
+    N_20 = t2 + J_80 * J_82
+    N_21 = J_81 * J_82
+    t3 = J_02 * J_02 + J_22 * J_22 + J_42 * J_42
+    N_22 = t3 + J_72 * J_72 + J_82 * J_82
+    N_30 = J_80 * J_83
+    N_31 = t2 + J_81 * J_83
+    N_32 = J_72 * J_73 + J_82 * J_83
+    N_33 = t3 + J_73 * J_73 + J_83 * J_83
+    N_40 = weights_0 * J_00 + weights_0 * J_20 + weights_0 * J_40
+    N_42 = weights_0 * J_02 + weights_0 * J_22 + weights_0 * J_42
+    N_44 = 3 * (weights_0 * weights_0)
+    t4 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_60 * r_6 + J_80 * r_8
+    E_0 = 1 / N_00
+    L_10 = N_10 * E_0
+    L_20 = N_20 * E_0
+    L_30 = N_30 * E_0
+    L_40 = N_40 * E_0
+    t5 = N_00 * (L_10 * L_10)
+    D_1 = N_11 - t5
+    E_1 = 1 / D_1
+    L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20))
+    L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30))
+    t6 = N_00 * (L_40 * (L_10 * E_1))
+    L_51 = N_40 * E_1
+    D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20)
+    E_2 = 1 / D_2
+    t7 = D_1 * L_21
+    L_32 = E_2 * (N_32 - L_31 * t7 - N_00 * (L_20 * L_30))
+    L_42 = E_2 * (N_42 + t6 * t7 - N_00 * (L_20 * L_40))
+    L_52 = L_51 * (L_21 * (E_2 * (t5 - N_11)))
+    D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30)
+    E_3 = 1 / D_3
+    t8 = D_1 * L_31
+    t9 = D_2 * L_32
+    t10 = E_3 * (L_42 * t9 - t6 * t8 + N_00 * (L_30 * L_40))
+    L_53 = E_3 * (N_42 - L_51 * t8 - L_52 * t9)
+    D_4 = N_44 - D_1 * (t6 * t6) - D_2 * (L_42 * L_42) - D_3 * (t10 * t10) - N_00 * (L_40 * L_40)
+    E_4 = 1 / D_4
+    L_54 = E_4 * (L_53 * (D_3 * t10) - (L_52 * (D_2 * L_42) - L_51 * (D_1 * t6)))
+    D_5 = N_44 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54)
+    y_1 = t4 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_40 * r_5 + J_61 * r_6 + J_81 * r_8)
+    y_2 = t4 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_72 * r_7 + J_82 * r_8) - L_21 * y_1
+    t11 = t4 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_42 * r_5 + J_73 * r_7 + J_83 * r_8) - L_31 * y_1
+    y_3 = t11 - L_32 * y_2
+    t12 = t4 * L_40 - (weights_0 * r_0 + weights_0 * r_2 + weights_0 * r_4) + t6 * y_1 - L_42 * y_2
+    y_4 = t12 + t10 * y_3
+    t13 = weights_0 * r_1 + weights_0 * r_3 + weights_0 * r_5 + L_51 * y_1 + L_52 * y_2 + L_53 * y_3
+    t14 = (t13 + L_54 * y_4) / D_5
+    x_4 = E_4 * y_4 + L_54 * t14
+    x_3 = E_3 * y_3 + t10 * x_4 + L_53 * t14
+    x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t14
+    x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + t6 * x_4 + L_51 * t14
+    t15 = t4 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4
+    t16 = ends_00 * ends_00 + ends_01 * ends_01 + ends_10 * ends_10 + ends_11 * ends_11 + ends_20 * ends_20
+    size = t16 + ends_21 * ends_21
+    return (
+        (  # state_next
+            state_0 - t15,
+            state_1 + x_1,
+            state_2 + x_2,
+            state_3 + x_3,
+            state_4 + x_4,
+            state_5 - t14,
+        ),
+        (  # change
+            t15 * t15 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t14 * t14) / size,
+        ),
+    )
+
+
+def encoder_pose(s: Any, state: Any) -> tuple[Any, ...]:
+    """The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1
+    divide, 1 square root, 1 arctangent)"""
+    s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    norm = 1 / ca.sqrt(state_0 * state_0 + state_1 * state_1)
+    cos = state_0 * norm
+    sin = state_1 * norm
+    return (
+        (  # p
+            s_00 + state_4,
+            s_01 + state_5,
+        ),
+        (  # phi
+            ca.atan2(sin, cos),
+        ),
+        (  # raw
+            state_0,
+            state_2,
+            state_1,
+            state_3,
+        ),
     )

@@ -647,6 +647,72 @@ def forward(geometry: Any) -> Any:
     return call.function({"p": p, "Q": Q, "redundant": redundant, "count": count, "certified": certified})
 
 
+def forward_encoders_2(geometry: Any) -> Any:
+    """The pose with encoders at two redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_2",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("measured", (2,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("raw", (3, 3), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    distance: list[Any] = []
+    start: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i, distance_i, start_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+        distance += distance_i
+        start += start_i
+    _flatness, _points, axes, _ends, linear, mismatch, _agreement = platform.two_encoders(
+            call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
+    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
+
+
+def forward_encoders_3(geometry: Any) -> Any:
+    """The pose with encoders at three redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_3",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("measured", (3,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("raw", (3, 3), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    distance: list[Any] = []
+    start: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i, distance_i, start_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+        distance += distance_i
+        start += start_i
+    _flatness, _points, axes, _ends, linear, mismatch, _agreement = platform.three_encoders(
+            call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
+    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
+
+
 FUNCTIONS = {
     "rotation_error": rotation_error,
     "end_points": end_points,
@@ -670,4 +736,6 @@ FUNCTIONS = {
     "type_2_of_redundant": type_2_of_redundant,
     "forward_all": forward_all,
     "forward": forward,
+    "forward_encoders_2": forward_encoders_2,
+    "forward_encoders_3": forward_encoders_3,
 }

@@ -601,6 +601,110 @@ def type_2_of_redundant(geometry: Any) -> Any:
     return call.function({"type_2": type_2, "margins": margins})
 
 
+def forward_encoders_1(geometry: Any) -> Any:
+    """The pose with an encoder at the first redundant joint: of two solutions the one that fits the
+    third link's length."""
+    call = rt.Call(
+        "forward_encoders_1",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("measured", (1,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("mismatch", (), "shared"),
+            rt.Port("other_mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    turns = platform.turns_1(call.whole("measured"))
+    anchor: list[Any] = []
+    length: list[Any] = []
+    arm: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        anchor_i, length_i = platform.tie(platform.prepare(fields))
+        arm_i = platform.arm(platform.prepare(fields))
+        anchor += anchor_i
+        length += length_i
+        arm += arm_i
+    _flatness, _radicand, p, Q, mismatch, other_mismatch, _agreement, _apart = platform.one_encoder(
+            call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
+    return call.function({"p": p, "Q": Q, "mismatch": mismatch, "other_mismatch": other_mismatch})
+
+
+def forward_encoders_2(geometry: Any) -> Any:
+    """The pose with encoders at two redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_2",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("measured", (2,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("raw", (3, 3), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    turns = platform.turns_2(call.whole("measured"))
+    anchor: list[Any] = []
+    length: list[Any] = []
+    arm: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        anchor_i, length_i = platform.tie(platform.prepare(fields))
+        arm_i = platform.arm(platform.prepare(fields))
+        anchor += anchor_i
+        length += length_i
+        arm += arm_i
+    _flatness, _points, axes, _ends, linear, mismatch, _agreement = platform.two_encoders(
+            call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
+    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
+
+
+def forward_encoders_3(geometry: Any) -> Any:
+    """The pose with encoders at three redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation."""
+    call = rt.Call(
+        "forward_encoders_3",
+        (
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("measured", (3,), "shared"),
+            rt.Port("tolerance", (), "shared"),
+        ),
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("raw", (3, 3), "shared"),
+            rt.Port("mismatch", (), "shared"),
+        ),
+        geometry,
+    )
+    turns = platform.turns_3(call.whole("measured"))
+    anchor: list[Any] = []
+    length: list[Any] = []
+    arm: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        anchor_i, length_i = platform.tie(platform.prepare(fields))
+        arm_i = platform.arm(platform.prepare(fields))
+        anchor += anchor_i
+        length += length_i
+        arm += arm_i
+    _flatness, _points, axes, _ends, linear, mismatch, _agreement = platform.three_encoders(
+            call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
+    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
+
+
 FUNCTIONS = {
     "rotation_error": rotation_error,
     "end_points": end_points,
@@ -623,4 +727,7 @@ FUNCTIONS = {
     "link_points": link_points,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
+    "forward_encoders_1": forward_encoders_1,
+    "forward_encoders_2": forward_encoders_2,
+    "forward_encoders_3": forward_encoders_3,
 }

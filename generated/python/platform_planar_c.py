@@ -474,3 +474,263 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
             1,
         ),
     )
+
+
+def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
+    """Orientation and position in the plane from the end points and two redundant coordinates.
+    Thesis: 3.2.4, (3.24).  (14 add, 18 multiply, 1 divide, 2 square root, 1 select)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    measured_0, measured_1 = measured
+    slide_00, slide_01, slide_10, slide_11, _slide_20, _slide_21 = slide
+    tolerance, = tolerance
+    e_1_0 = measured_0 * slide_00  # S_i in the platform frame
+    e_1_1 = measured_0 * slide_01
+    e_2_0 = measured_1 * slide_10
+    e_2_1 = measured_1 * slide_11
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    d_12_0 = e_2_0 - e_1_0
+    d_12_1 = e_2_1 - e_1_1
+    d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    t1 = 1 / d_12_2
+    cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1
+    sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
+    gap_0 = np.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - np.sqrt(d_12_2)
+    mismatch_a = np.abs(gap_0)
+    return (
+        (  # points
+            0,
+            0,
+            s_12_0,
+            s_12_1,
+            s_13_0,
+            s_13_1,
+        ),
+        (  # ends
+            e_1_0,
+            e_1_1,
+            e_2_0,
+            e_2_1,
+        ),
+        (  # linear
+            cos,
+            sin,
+            -sin,
+            cos,
+            e_1_1 * sin - e_1_0 * cos,
+            -(e_1_1 * cos + e_1_0 * sin),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+    )
+
+
+def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
+    """Orientation and position in the plane from the end points and three redundant coordinates.
+    Thesis: 3.2.5, (3.30).  (29 add, 36 multiply, 1 divide, 6 square root, 5 select)"""
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    measured_0, measured_1, measured_2 = measured
+    slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
+    tolerance, = tolerance
+    e_1_0 = measured_0 * slide_00  # S_i in the platform frame
+    e_1_1 = measured_0 * slide_01
+    e_2_0 = measured_1 * slide_10
+    e_2_1 = measured_1 * slide_11
+    e_3_0 = measured_2 * slide_20
+    e_3_1 = measured_2 * slide_21
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    d_12_0 = e_2_0 - e_1_0
+    d_12_1 = e_2_1 - e_1_1
+    d_13_0 = e_3_0 - e_1_0
+    d_13_1 = e_3_1 - e_1_1
+    area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    t1 = 1 / area
+    u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t1
+    u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
+    u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
+    u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
+    gap_0 = np.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - np.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
+    gap_1 = np.sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - np.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    t2 = s_13_0 - s_12_0
+    t3 = s_13_1 - s_12_1
+    t4 = d_13_0 - d_12_0
+    t5 = d_13_1 - d_12_1
+    gap_2 = np.sqrt(t2 * t2 + t3 * t3) - np.sqrt(t4 * t4 + t5 * t5)
+    mismatch_a = np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2))
+    return (
+        (  # points
+            0,
+            0,
+            s_12_0,
+            s_12_1,
+            s_13_0,
+            s_13_1,
+        ),
+        (  # ends
+            e_1_0,
+            e_1_1,
+            e_2_0,
+            e_2_1,
+            e_3_0,
+            e_3_1,
+        ),
+        (  # linear
+            u_x_0,
+            u_x_1,
+            u_y_0,
+            u_y_1,
+            -(e_1_0 * u_x_0 + e_1_1 * u_y_0),
+            -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+    )
+
+
+def gauss_newton_3(state: Any, weights: Any, points: Any, ends: Any) -> tuple[Any, ...]:
+    """One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220
+    multiply, 7 divide)"""
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    weights_0, _weights_1, weights_2 = weights
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    ends_00, ends_01, ends_10, ends_11, ends_20, ends_21 = ends
+    f_1_0 = state_4 + state_0 * ends_00 + state_2 * ends_01 - points_00  # of s_i = p + Q d_i
+    f_1_1 = state_5 + state_1 * ends_00 + state_3 * ends_01 - points_01
+    f_2_0 = state_4 + state_0 * ends_10 + state_2 * ends_11 - points_10
+    f_2_1 = state_5 + state_1 * ends_10 + state_3 * ends_11 - points_11
+    f_3_0 = state_4 + state_0 * ends_20 + state_2 * ends_21 - points_20
+    f_3_1 = state_5 + state_1 * ends_20 + state_3 * ends_21 - points_21
+    J_00 = weights_0 * ends_00
+    J_02 = weights_0 * ends_01
+    J_20 = weights_0 * ends_10
+    J_22 = weights_0 * ends_11
+    J_40 = weights_0 * ends_20
+    J_42 = weights_0 * ends_21
+    J_60 = weights_2 * (state_0 * 2)
+    J_61 = weights_2 * (state_1 * 2)
+    J_72 = weights_2 * (state_2 * 2)
+    J_73 = weights_2 * (state_3 * 2)
+    J_80 = state_2 * weights_2
+    J_81 = state_3 * weights_2
+    J_82 = state_0 * weights_2
+    J_83 = state_1 * weights_2
+    r_0 = weights_0 * f_1_0
+    r_1 = weights_0 * f_1_1
+    r_2 = weights_0 * f_2_0
+    r_3 = weights_0 * f_2_1
+    r_4 = weights_0 * f_3_0
+    r_5 = weights_0 * f_3_1
+    r_6 = weights_2 * (state_0 * state_0 + state_1 * state_1 - 1)
+    r_7 = weights_2 * (state_2 * state_2 + state_3 * state_3 - 1)
+    r_8 = weights_2 * (state_0 * state_2 + state_1 * state_3)
+    t1 = J_00 * J_00 + J_20 * J_20 + J_40 * J_40
+    N_00 = t1 + J_60 * J_60 + J_80 * J_80
+    N_10 = J_60 * J_61 + J_80 * J_81
+    N_11 = t1 + J_61 * J_61 + J_81 * J_81
+    t2 = J_00 * J_02 + J_20 * J_22 + J_40 * J_42
+    N_20 = t2 + J_80 * J_82
+    N_21 = J_81 * J_82
+    t3 = J_02 * J_02 + J_22 * J_22 + J_42 * J_42
+    N_22 = t3 + J_72 * J_72 + J_82 * J_82
+    N_30 = J_80 * J_83
+    N_31 = t2 + J_81 * J_83
+    N_32 = J_72 * J_73 + J_82 * J_83
+    N_33 = t3 + J_73 * J_73 + J_83 * J_83
+    N_40 = weights_0 * J_00 + weights_0 * J_20 + weights_0 * J_40
+    N_42 = weights_0 * J_02 + weights_0 * J_22 + weights_0 * J_42
+    N_44 = 3 * (weights_0 * weights_0)
+    t4 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_60 * r_6 + J_80 * r_8
+    E_0 = 1 / N_00
+    L_10 = N_10 * E_0
+    L_20 = N_20 * E_0
+    L_30 = N_30 * E_0
+    L_40 = N_40 * E_0
+    t5 = N_00 * (L_10 * L_10)
+    D_1 = N_11 - t5
+    E_1 = 1 / D_1
+    L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20))
+    L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30))
+    t6 = N_00 * (L_40 * (L_10 * E_1))
+    L_51 = N_40 * E_1
+    D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20)
+    E_2 = 1 / D_2
+    t7 = D_1 * L_21
+    L_32 = E_2 * (N_32 - L_31 * t7 - N_00 * (L_20 * L_30))
+    L_42 = E_2 * (N_42 + t6 * t7 - N_00 * (L_20 * L_40))
+    L_52 = L_51 * (L_21 * (E_2 * (t5 - N_11)))
+    D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30)
+    E_3 = 1 / D_3
+    t8 = D_1 * L_31
+    t9 = D_2 * L_32
+    t10 = E_3 * (L_42 * t9 - t6 * t8 + N_00 * (L_30 * L_40))
+    L_53 = E_3 * (N_42 - L_51 * t8 - L_52 * t9)
+    D_4 = N_44 - D_1 * (t6 * t6) - D_2 * (L_42 * L_42) - D_3 * (t10 * t10) - N_00 * (L_40 * L_40)
+    E_4 = 1 / D_4
+    L_54 = E_4 * (L_53 * (D_3 * t10) - (L_52 * (D_2 * L_42) - L_51 * (D_1 * t6)))
+    D_5 = N_44 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54)
+    y_1 = t4 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_40 * r_5 + J_61 * r_6 + J_81 * r_8)
+    y_2 = t4 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_72 * r_7 + J_82 * r_8) - L_21 * y_1
+    t11 = t4 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_42 * r_5 + J_73 * r_7 + J_83 * r_8) - L_31 * y_1
+    y_3 = t11 - L_32 * y_2
+    t12 = t4 * L_40 - (weights_0 * r_0 + weights_0 * r_2 + weights_0 * r_4) + t6 * y_1 - L_42 * y_2
+    y_4 = t12 + t10 * y_3
+    t13 = weights_0 * r_1 + weights_0 * r_3 + weights_0 * r_5 + L_51 * y_1 + L_52 * y_2 + L_53 * y_3
+    t14 = (t13 + L_54 * y_4) / D_5
+    x_4 = E_4 * y_4 + L_54 * t14
+    x_3 = E_3 * y_3 + t10 * x_4 + L_53 * t14
+    x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t14
+    x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + t6 * x_4 + L_51 * t14
+    t15 = t4 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4
+    t16 = ends_00 * ends_00 + ends_01 * ends_01 + ends_10 * ends_10 + ends_11 * ends_11 + ends_20 * ends_20
+    size = t16 + ends_21 * ends_21
+    return (
+        (  # state_next
+            state_0 - t15,
+            state_1 + x_1,
+            state_2 + x_2,
+            state_3 + x_3,
+            state_4 + x_4,
+            state_5 - t14,
+        ),
+        (  # change
+            t15 * t15 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t14 * t14) / size,
+        ),
+    )
+
+
+def encoder_pose(s: Any, state: Any) -> tuple[Any, ...]:
+    """The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1
+    divide, 1 square root, 1 arctangent)"""
+    s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    norm = 1 / np.sqrt(state_0 * state_0 + state_1 * state_1)
+    cos = state_0 * norm
+    sin = state_1 * norm
+    return (
+        (  # p
+            s_00 + state_4,
+            s_01 + state_5,
+        ),
+        (  # phi
+            np.arctan2(sin, cos),
+        ),
+        (  # raw
+            state_0,
+            state_2,
+            state_1,
+            state_3,
+        ),
+    )

@@ -30,7 +30,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_r=fields["l_r"],
         e_r=(e_r_0, e_r_1,),
         b=(R_p * e_r_0, R_p * e_r_1,),
-        k=(0.5 * (l_r * l_r), 1 / l_r,),
+        k=(0.5 * (l_r * l_r), 1 / l_r, l_r * e_r_0, l_r * e_r_1,),
     )
 
 
@@ -839,4 +839,916 @@ def uniqueness(anchor: Any, length: Any, box: Any) -> tuple[Any, ...]:
         (409061543436171 / 156250000000000) - box_11,
         box_20 - (1308996938995747 / 2500000000000000),
         (409061543436171 / 156250000000000) - box_21,
+    )
+
+
+def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> tuple[Any, ...]:
+    """The pose nearby in the platform's plane, and whether steps from it are certain to converge.
+    Thesis: 3.2.2, (3.4) to (3.9).  (107 add, 164 multiply, 8 divide, 10 square root, 1 select)"""
+    s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    p_near_0, p_near_1, p_near_2 = p_near
+    Q_near_00, Q_near_01, _Q_near_02, Q_near_10, Q_near_11, _Q_near_12, Q_near_20, Q_near_21, _Q_near_22 = Q_near
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_12_2 = s_12 - s_02
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    s_13_2 = s_22 - s_02
+    s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
+    s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
+    s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
+    s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
+    sense = d_2_0 * d_3_1 - d_2_1 * d_3_0  # positive where the legs go round z_1
+    sense_2 = sense * sense
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    v_1 = np.sqrt(s_12_2_a)  # |s_12|
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / np.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
+    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
+    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
+    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
+    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
+    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
+    t3 = s_12_0 * x_1_0
+    t4 = s_12_1 * x_1_1
+    t5 = s_12_2 * x_1_2
+    c = Q_near_00 * x_1_0 + Q_near_10 * x_1_1 + Q_near_20 * x_1_2
+    s_a = Q_near_00 * y_1_0 + Q_near_10 * y_1_1 + Q_near_20 * y_1_2
+    norm = 1 / np.sqrt(c * c + s_a * s_a)
+    cos = c * norm
+    sin = s_a * norm
+    arm_0 = p_near_0 + anchor_00 * Q_near_00 + anchor_01 * Q_near_01 - s_00  # S_1 to B_1
+    arm_1 = p_near_1 + anchor_00 * Q_near_10 + anchor_01 * Q_near_11 - s_01
+    arm_2 = p_near_2 + anchor_00 * Q_near_20 + anchor_01 * Q_near_21 - s_02
+    a_1_0 = x_1_0 * arm_0 + x_1_1 * arm_1 + x_1_2 * arm_2
+    a_1_1 = y_1_0 * arm_0 + y_1_1 * arm_1 + y_1_2 * arm_2
+    Rd_2_0 = d_2_0 * cos - d_2_1 * sin
+    Rd_2_1 = d_2_1 * cos + d_2_0 * sin
+    Rd_3_0 = d_3_0 * cos - d_3_1 * sin
+    Rd_3_1 = d_3_1 * cos + d_3_0 * sin
+    b_2_0 = a_1_0 + Rd_2_0 - t3 - t4 - t5  # S_i to B_i
+    b_2_1 = a_1_1 + Rd_2_1
+    b_3_0 = a_1_0 + Rd_3_0 - r_3_0
+    b_3_1 = a_1_1 + Rd_3_1 - r_3_1
+    t6 = d_2_0 * d_2_0
+    t7 = d_2_1 * d_2_1
+    t8 = d_3_0 * d_3_0
+    t9 = d_3_1 * d_3_1
+    L_2 = 0.5 * t6 + 0.5 * t7 + 0.5 * t8 + 0.5 * t9  # the platform's size, squared
+    L = np.sqrt(L_2)
+    F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length_0 * length_0)
+    F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length_1 * length_1)
+    F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length_2 * length_2)
+    t10 = 1 / L
+    G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t10
+    G_3 = t10 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0)
+    mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0
+    mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1
+    mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0
+    det = G_2 * mu_2 + G_3 * mu_3
+    inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2
+    inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3
+    t11 = a_1_1 * G_3
+    inv_2_2 = a_1_0 * G_3
+    inv_3_1 = a_1_1 * G_2
+    t12 = a_1_0 * G_2
+    t13 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t11 * t11 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1
+    b_2 = (t13 + t12 * t12 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det)  # b squared
+    t14 = F_1 * inv_1_1 - F_2 * t11 + F_3 * inv_3_1
+    t15 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t12
+    t16 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3
+    step = np.sqrt(t14 * t14 + t15 * t15 + t16 * t16) / np.abs(det)  # n
+    q_2 = np.sqrt(t6 + t7)  # |d_i|
+    o_2_0 = b_2_0 - Rd_2_0
+    o_2_1 = b_2_1 - Rd_2_1
+    t17 = step * 2
+    t18 = 1 / L_2
+    bent_2 = q_2 * (np.sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t17) * t18
+    q_3 = np.sqrt(t8 + t9)  # |d_i|
+    o_3_0 = b_3_0 - Rd_3_0
+    o_3_1 = b_3_1 - Rd_3_1
+    bent_3 = t18 * (q_3 * (t17 + np.sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)))
+    t19 = 6 + bent_2 * bent_2 + bent_3 * bent_3 + t18 * (2 * (q_2 * q_2)) + t18 * (2 * (q_3 * q_3))
+    return (
+        (  # flatness
+            flatness_0,
+        ),
+        (  # points
+            0,
+            0,
+            t3 + t4 + t5,
+            0,
+            r_3_0,
+            r_3_1,
+        ),
+        (  # axes
+            x_1_0,
+            y_1_0,
+            z_1_0,
+            x_1_1,
+            y_1_1,
+            z_1_1,
+            x_1_2,
+            y_1_2,
+            z_1_2,
+        ),
+        (  # centre
+            cos,
+            sin,
+        ),
+        (  # start
+            0,
+            a_1_0,
+            a_1_1,
+            cos,
+            sin,
+        ),
+        (  # kantorovich
+            t17 * np.sqrt(b_2 * t19),
+        ),
+    )
+
+
+def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
+    """One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4
+    divide, 1 square root, 1 sine cosine)"""
+    state_0, state_1, state_2, _state_3, _state_4 = state
+    centre_0, centre_1 = centre
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    t1 = np.cos(state_0)
+    t2 = np.sin(state_0)
+    cos = centre_0 * t1 - centre_1 * t2
+    sin = centre_0 * t2 + centre_1 * t1
+    a_1_on_0 = state_1 - points_00
+    a_1_on_1 = state_2 - points_01
+    t3 = d_2_0 * cos
+    t4 = d_2_1 * sin
+    a_2_on_0 = state_1 + t3 - points_10 - t4
+    t5 = d_2_1 * cos
+    t6 = d_2_0 * sin
+    a_2_on_1 = state_2 + t5 + t6 - points_11
+    t7 = d_3_0 * cos
+    t8 = d_3_1 * sin
+    a_3_on_0 = state_1 + t7 - points_20 - t8
+    t9 = d_3_1 * cos
+    t10 = d_3_0 * sin
+    a_3_on_1 = state_2 + t9 + t10 - points_21
+    f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length_0 * length_0)
+    f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length_1 * length_1)
+    f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length_2 * length_2)
+    g_2_on = a_2_on_1 * (t3 - t4) - a_2_on_0 * (t5 + t6)
+    g_3_on = a_3_on_1 * (t7 - t8) - a_3_on_0 * (t9 + t10)
+    lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0
+    lambda_2_on = a_1_on_1 * a_3_on_0 - a_1_on_0 * a_3_on_1
+    lambda_3_on = a_1_on_0 * a_2_on_1 - a_1_on_1 * a_2_on_0
+    t11 = (f_1_on * lambda_1_on + f_2_on * lambda_2_on + f_3_on * lambda_3_on) / (g_2_on * lambda_2_on + g_3_on * lambda_3_on)
+    t12 = g_2_on * t11 - f_2_on
+    t13 = g_3_on * t11 - f_3_on
+    t14 = lambda_1_on * (a_3_on_1 * t12 - a_2_on_1 * t13) + lambda_2_on * (a_1_on_1 * t13 + a_3_on_1 * f_1_on)
+    t15 = lambda_1_on * lambda_1_on + lambda_2_on * lambda_2_on + lambda_3_on * lambda_3_on
+    t16 = 1 / t15
+    move_on_0 = (t14 - lambda_3_on * (a_1_on_1 * t12 + a_2_on_1 * f_1_on)) * t16
+    t17 = lambda_1_on * (a_2_on_0 * t13 - a_3_on_0 * t12) - lambda_2_on * (a_1_on_0 * t13 + a_3_on_0 * f_1_on)
+    move_on_1 = t16 * (t17 + lambda_3_on * (a_1_on_0 * t12 + a_2_on_0 * f_1_on))
+    t18 = t11 * t11
+    norm_on = 1 / np.sqrt(1 + t18)
+    cos_on = norm_on * (cos + sin * t11)
+    sin_on = norm_on * (sin - cos * t11)
+    size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1
+    return (
+        (  # state_next
+            state_0 - t11,
+            state_1 + move_on_0,
+            state_2 + move_on_1,
+            cos_on,
+            sin_on,
+        ),
+        (  # change
+            t18 + (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size,
+        ),
+    )
+
+
+def newton_pose(s: Any, state: Any, anchor: Any, points: Any, axes: Any) -> tuple[Any, ...]:
+    """The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (46 add, 54 multiply, 3
+    arctangent)"""
+    s_00, s_01, s_02, _s_10, _s_11, _s_12, _s_20, _s_21, _s_22 = s
+    _state_0, state_1, state_2, state_3, state_4 = state
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    axes_00, axes_01, axes_02, axes_10, axes_11, axes_12, axes_20, axes_21, axes_22 = axes
+    t1 = anchor_10 - anchor_00
+    t2 = anchor_11 - anchor_01
+    Rd_2_0 = state_3 * t1 - state_4 * t2
+    Rd_2_1 = state_3 * t2 + state_4 * t1
+    t3 = anchor_20 - anchor_00
+    t4 = anchor_21 - anchor_01
+    Rd_3_0 = state_3 * t3 - state_4 * t4
+    Rd_3_1 = state_3 * t4 + state_4 * t3
+    a_1_0 = state_1 - points_00  # S_i to B_i
+    a_1_1 = state_2 - points_01
+    a_2_0 = state_1 + Rd_2_0 - points_10
+    a_2_1 = state_2 + Rd_2_1 - points_11
+    a_3_0 = state_1 + Rd_3_0 - points_20
+    a_3_1 = state_2 + Rd_3_1 - points_21
+    p_l_0 = state_1 + state_4 * anchor_01 - state_3 * anchor_00
+    p_l_1 = state_2 - state_4 * anchor_00 - state_3 * anchor_01
+    u_1_0 = state_3 * a_1_0 + state_4 * a_1_1  # in the platform frame
+    u_1_1 = state_3 * a_1_1 - state_4 * a_1_0
+    u_2_0 = state_3 * a_2_0 + state_4 * a_2_1
+    u_2_1 = state_3 * a_2_1 - state_4 * a_2_0
+    u_3_0 = state_3 * a_3_0 + state_4 * a_3_1
+    u_3_1 = state_3 * a_3_1 - state_4 * a_3_0
+    redundant_0 = np.arctan2(anchor_01 * u_1_0 - anchor_00 * u_1_1, anchor_00 * u_1_0 + anchor_01 * u_1_1)
+    redundant_1 = np.arctan2(anchor_11 * u_2_0 - anchor_10 * u_2_1, anchor_10 * u_2_0 + anchor_11 * u_2_1)
+    redundant_2 = np.arctan2(anchor_21 * u_3_0 - anchor_20 * u_3_1, anchor_20 * u_3_0 + anchor_21 * u_3_1)
+    return (
+        (  # p
+            s_00 + axes_00 * p_l_0 + axes_01 * p_l_1,
+            s_01 + axes_10 * p_l_0 + axes_11 * p_l_1,
+            s_02 + axes_20 * p_l_0 + axes_21 * p_l_1,
+        ),
+        (  # Q
+            state_3 * axes_00 + state_4 * axes_01,
+            state_3 * axes_01 - state_4 * axes_00,
+            axes_02,
+            state_3 * axes_10 + state_4 * axes_11,
+            state_3 * axes_11 - state_4 * axes_10,
+            axes_12,
+            state_3 * axes_20 + state_4 * axes_21,
+            state_3 * axes_21 - state_4 * axes_20,
+            axes_22,
+        ),
+        (  # redundant
+            redundant_0,
+            redundant_1,
+            redundant_2,
+        ),
+    )
+
+
+def arm(g: Any) -> tuple[Any, ...]:
+    """The redundant link where its angle is a half turn.  (no operations)"""
+    return (
+        g.k[2],
+        g.k[3],
+    )
+
+
+def turns_1(measured: Any) -> tuple[Any, ...]:
+    """Cosines and sines of measured angles.  (1 sine cosine)"""
+    measured_0, = measured
+    return (
+        np.cos(measured_0),
+        np.sin(measured_0),
+    )
+
+
+def turns_2(measured: Any) -> tuple[Any, ...]:
+    """Cosines and sines of measured angles.  (2 sine cosine)"""
+    measured_0, measured_1 = measured
+    return (
+        np.cos(measured_0),
+        np.sin(measured_0),
+        np.cos(measured_1),
+        np.sin(measured_1),
+    )
+
+
+def turns_3(measured: Any) -> tuple[Any, ...]:
+    """Cosines and sines of measured angles.  (3 sine cosine)"""
+    measured_0, measured_1, measured_2 = measured
+    return (
+        np.cos(measured_0),
+        np.sin(measured_0),
+        np.cos(measured_1),
+        np.sin(measured_1),
+        np.cos(measured_2),
+        np.sin(measured_2),
+    )
+
+
+def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (78 add, 105
+    multiply, 5 divide, 5 square root, 5 select)"""
+    s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
+    turns_00, turns_01 = turns
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    _length_0, length_1, length_2 = length
+    arm_00, arm_01, _arm_10, _arm_11, _arm_20, _arm_21 = arm
+    tolerance, = tolerance
+    e_1_0 = anchor_00 - turns_00 * arm_00 - turns_01 * arm_01  # S_i in the platform frame
+    e_1_1 = anchor_01 + turns_01 * arm_00 - turns_00 * arm_01
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_12_2 = s_12 - s_02
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    s_13_2 = s_22 - s_02
+    s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
+    s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
+    s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
+    s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
+    sense = (anchor_10 - anchor_00) * (anchor_21 - anchor_01) - (anchor_11 - anchor_01) * (anchor_20 - anchor_00)  # positive where the legs go round z_1
+    sense_2 = sense * sense
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    v_1 = np.sqrt(s_12_2_a)  # |s_12|
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / np.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
+    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
+    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
+    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
+    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
+    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
+    w_2_0 = anchor_10 - e_1_0  # S_1 to B_i
+    w_2_1 = anchor_11 - e_1_1
+    w_3_0 = anchor_20 - e_1_0
+    w_3_1 = anchor_21 - e_1_1
+    t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    M = w_2_0 * t3
+    L = t3 * (e_1_1 - anchor_11)
+    N = 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1) + 0.5 * (t3 * t3) - 0.5 * (length_1 * length_1)
+    ML_2 = L * L + M * M
+    t4 = 1 / ML_2
+    radicand_a = 1 - N * N * t4
+    root = np.sqrt(t4 * radicand_a)
+    middle = N * t4
+    t5 = M * middle
+    t6 = L * root
+    cos_plus = t5 - t6
+    t7 = L * middle
+    t8 = M * root
+    sin_plus = t7 + t8
+    a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus  # S_3 to B_3
+    a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1
+    miss_plus = np.sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length_2
+    t9 = np.abs(miss_plus)
+    cos_minus = t5 + t6
+    sin_minus = t7 - t8
+    a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus  # S_3 to B_3
+    a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1
+    miss_minus = np.sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length_2
+    t10 = np.abs(miss_minus)
+    gap = t10 - t9
+    sign = gap / np.abs(gap)
+    cos = t5 - t6 * sign
+    sin = t7 + t8 * sign
+    t11 = e_1_1 * sin - e_1_0 * cos
+    t12 = e_1_1 * cos + e_1_0 * sin
+    mismatch_a = np.fmin(t9, t10)
+    other_mismatch_a = np.fmax(t9, t10)
+    return (
+        (  # flatness
+            flatness_0,
+        ),
+        (  # radicand
+            radicand_a,
+        ),
+        (  # p
+            s_00 + x_1_0 * t11 - y_1_0 * t12,
+            s_01 + x_1_1 * t11 - y_1_1 * t12,
+            s_02 + x_1_2 * t11 - y_1_2 * t12,
+        ),
+        (  # Q
+            x_1_0 * cos + y_1_0 * sin,
+            y_1_0 * cos - x_1_0 * sin,
+            z_1_0,
+            x_1_1 * cos + y_1_1 * sin,
+            y_1_1 * cos - x_1_1 * sin,
+            z_1_1,
+            x_1_2 * cos + y_1_2 * sin,
+            y_1_2 * cos - x_1_2 * sin,
+            z_1_2,
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # other_mismatch
+            other_mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+        (  # apart
+            other_mismatch_a - tolerance,
+        ),
+    )
+
+
+def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
+    """Orientation and position in the plane from the end points and two redundant coordinates.
+    Thesis: 3.2.4, (3.24).  (45 add, 63 multiply, 4 divide, 3 square root, 2 select)"""
+    s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
+    turns_00, turns_01, turns_10, turns_11 = turns
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    arm_00, arm_01, arm_10, arm_11, _arm_20, _arm_21 = arm
+    tolerance, = tolerance
+    e_1_0 = anchor_00 - turns_00 * arm_00 - turns_01 * arm_01  # S_i in the platform frame
+    e_1_1 = anchor_01 + turns_01 * arm_00 - turns_00 * arm_01
+    e_2_0 = anchor_10 - turns_10 * arm_10 - turns_11 * arm_11
+    e_2_1 = anchor_11 + turns_11 * arm_10 - turns_10 * arm_11
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_12_2 = s_12 - s_02
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    s_13_2 = s_22 - s_02
+    s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
+    s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
+    s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
+    s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
+    sense = (anchor_10 - anchor_00) * (anchor_21 - anchor_01) - (anchor_11 - anchor_01) * (anchor_20 - anchor_00)  # positive where the legs go round z_1
+    sense_2 = sense * sense
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    v_1 = np.sqrt(s_12_2_a)  # |s_12|
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / np.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
+    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
+    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
+    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
+    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
+    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
+    points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    d_12_0 = e_2_0 - e_1_0
+    d_12_1 = e_2_1 - e_1_1
+    d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    t3 = 1 / d_12_2
+    cos = points_10 * d_12_0 * t3
+    sin = t3 * (points_10 * (e_1_1 - e_2_1))
+    gap_0 = np.abs(points_10) - np.sqrt(d_12_2)
+    mismatch_a = np.abs(gap_0)
+    return (
+        (  # flatness
+            flatness_0,
+        ),
+        (  # points
+            0,
+            0,
+            points_10,
+            0,
+            r_3_0,
+            r_3_1,
+        ),
+        (  # axes
+            x_1_0,
+            y_1_0,
+            z_1_0,
+            x_1_1,
+            y_1_1,
+            z_1_1,
+            x_1_2,
+            y_1_2,
+            z_1_2,
+        ),
+        (  # ends
+            e_1_0,
+            e_1_1,
+            e_2_0,
+            e_2_1,
+        ),
+        (  # linear
+            cos,
+            sin,
+            -sin,
+            cos,
+            e_1_1 * sin - e_1_0 * cos,
+            -(e_1_1 * cos + e_1_0 * sin),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+    )
+
+
+def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
+    """Orientation and position in the plane from the end points and three redundant coordinates.
+    Thesis: 3.2.5, (3.30).  (65 add, 82 multiply, 4 divide, 7 square root, 6 select)"""
+    s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
+    turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
+    anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    arm_00, arm_01, arm_10, arm_11, arm_20, arm_21 = arm
+    tolerance, = tolerance
+    e_1_0 = anchor_00 - turns_00 * arm_00 - turns_01 * arm_01  # S_i in the platform frame
+    e_1_1 = anchor_01 + turns_01 * arm_00 - turns_00 * arm_01
+    e_2_0 = anchor_10 - turns_10 * arm_10 - turns_11 * arm_11
+    e_2_1 = anchor_11 + turns_11 * arm_10 - turns_10 * arm_11
+    e_3_0 = anchor_20 - turns_20 * arm_20 - turns_21 * arm_21
+    e_3_1 = anchor_21 + turns_21 * arm_20 - turns_20 * arm_21
+    s_12_0 = s_10 - s_00  # S_1 to S_2
+    s_12_1 = s_11 - s_01
+    s_12_2 = s_12 - s_02
+    s_13_0 = s_20 - s_00  # S_1 to S_3
+    s_13_1 = s_21 - s_01
+    s_13_2 = s_22 - s_02
+    s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
+    s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
+    s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
+    s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
+    sense = (anchor_10 - anchor_00) * (anchor_21 - anchor_01) - (anchor_11 - anchor_01) * (anchor_20 - anchor_00)  # positive where the legs go round z_1
+    sense_2 = sense * sense
+    s_n_w = s_n_2_a * sense_2
+    flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
+    v_1 = np.sqrt(s_12_2_a)  # |s_12|
+    t1 = 1 / v_1
+    x_1_0 = s_12_0 * t1  # (3.1)
+    x_1_1 = s_12_1 * t1
+    x_1_2 = s_12_2 * t1
+    t2 = 1 / np.sqrt(s_n_w)
+    z_1_0 = s_n_0 * sense * t2  # (3.2)
+    z_1_1 = t2 * (s_n_1 * sense)
+    z_1_2 = t2 * (s_n_2 * sense)
+    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
+    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
+    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
+    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
+    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
+    t3 = s_12_0 * x_1_0
+    t4 = s_12_1 * x_1_1
+    t5 = s_12_2 * x_1_2
+    points_10 = t3 + t4 + t5
+    d_12_0 = e_2_0 - e_1_0
+    d_12_1 = e_2_1 - e_1_1
+    d_13_0 = e_3_0 - e_1_0
+    d_13_1 = e_3_1 - e_1_1
+    area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    t6 = 1 / area
+    u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6
+    u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1))
+    u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0)
+    u_y_1 = t6 * (r_3_1 * d_12_0)
+    gap_0 = np.abs(points_10) - np.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
+    t7 = r_3_1 * r_3_1
+    gap_1 = np.sqrt(r_3_0 * r_3_0 + t7) - np.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    t8 = r_3_0 - t3 - t4 - t5
+    t9 = d_13_0 - d_12_0
+    t10 = d_13_1 - d_12_1
+    gap_2 = np.sqrt(t7 + t8 * t8) - np.sqrt(t9 * t9 + t10 * t10)
+    mismatch_a = np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2))
+    return (
+        (  # flatness
+            flatness_0,
+        ),
+        (  # points
+            0,
+            0,
+            points_10,
+            0,
+            r_3_0,
+            r_3_1,
+        ),
+        (  # axes
+            x_1_0,
+            y_1_0,
+            z_1_0,
+            x_1_1,
+            y_1_1,
+            z_1_1,
+            x_1_2,
+            y_1_2,
+            z_1_2,
+        ),
+        (  # ends
+            e_1_0,
+            e_1_1,
+            e_2_0,
+            e_2_1,
+            e_3_0,
+            e_3_1,
+        ),
+        (  # linear
+            u_x_0,
+            u_x_1,
+            u_y_0,
+            u_y_1,
+            -(e_1_0 * u_x_0 + e_1_1 * u_y_0),
+            -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
+        ),
+        (  # mismatch
+            mismatch_a,
+        ),
+        (  # agreement
+            tolerance - mismatch_a,
+        ),
+    )
+
+
+def gauss_newton_2(
+    state: Any, weights: Any, points: Any, ends: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
+    """One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264
+    multiply, 8 divide)"""
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    weights_0, weights_1, weights_2 = weights
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    ends_00, ends_01, ends_10, ends_11 = ends
+    _anchor_00, _anchor_01, _anchor_10, _anchor_11, anchor_20, anchor_21 = anchor
+    _length_0, _length_1, length_2 = length
+    f_1_0 = state_4 + state_0 * ends_00 + state_2 * ends_01 - points_00  # of s_i = p + Q d_i
+    f_1_1 = state_5 + state_1 * ends_00 + state_3 * ends_01 - points_01
+    f_2_0 = state_4 + state_0 * ends_10 + state_2 * ends_11 - points_10
+    f_2_1 = state_5 + state_1 * ends_10 + state_3 * ends_11 - points_11
+    a_3_0 = state_4 + state_0 * anchor_20 + state_2 * anchor_21 - points_20  # S_3 to B_3
+    a_3_1 = state_5 + state_1 * anchor_20 + state_3 * anchor_21 - points_21
+    J_00 = weights_0 * ends_00
+    J_02 = weights_0 * ends_01
+    J_20 = weights_0 * ends_10
+    J_22 = weights_0 * ends_11
+    t1 = 1 / length_2
+    J_40 = weights_1 * (anchor_20 * a_3_0) * t1
+    J_41 = t1 * (weights_1 * (anchor_20 * a_3_1))
+    J_42 = t1 * (weights_1 * (anchor_21 * a_3_0))
+    J_43 = t1 * (weights_1 * (anchor_21 * a_3_1))
+    J_44 = t1 * (weights_1 * a_3_0)
+    J_45 = t1 * (weights_1 * a_3_1)
+    J_50 = weights_2 * (state_0 * 2)
+    J_51 = weights_2 * (state_1 * 2)
+    J_62 = weights_2 * (state_2 * 2)
+    J_63 = weights_2 * (state_3 * 2)
+    J_70 = state_2 * weights_2
+    J_71 = state_3 * weights_2
+    J_72 = state_0 * weights_2
+    J_73 = state_1 * weights_2
+    r_0 = weights_0 * f_1_0
+    r_1 = weights_0 * f_1_1
+    r_2 = weights_0 * f_2_0
+    r_3 = weights_0 * f_2_1
+    r_4 = t1 * (weights_1 * 0.5 * (a_3_0 * a_3_0 + a_3_1 * a_3_1 - length_2 * length_2))
+    r_5 = weights_2 * (state_0 * state_0 + state_1 * state_1 - 1)
+    r_6 = weights_2 * (state_2 * state_2 + state_3 * state_3 - 1)
+    r_7 = weights_2 * (state_0 * state_2 + state_1 * state_3)
+    t2 = J_00 * J_00 + J_20 * J_20
+    N_00 = t2 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70
+    N_10 = J_40 * J_41 + J_50 * J_51 + J_70 * J_71
+    N_11 = t2 + J_41 * J_41 + J_51 * J_51 + J_71 * J_71
+    t3 = J_00 * J_02 + J_20 * J_22
+    N_20 = t3 + J_40 * J_42 + J_70 * J_72
+    N_21 = J_41 * J_42 + J_71 * J_72
+    t4 = J_02 * J_02 + J_22 * J_22
+    N_22 = t4 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72
+    N_30 = J_40 * J_43 + J_70 * J_73
+    N_31 = t3 + J_41 * J_43 + J_71 * J_73
+    N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73
+    N_33 = t4 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73
+    t5 = weights_0 * J_00 + weights_0 * J_20
+    N_40 = t5 + J_40 * J_44
+    N_41 = J_41 * J_44
+    t6 = weights_0 * J_02 + weights_0 * J_22
+    N_42 = t6 + J_42 * J_44
+    N_43 = J_43 * J_44
+    t7 = 2 * (weights_0 * weights_0)
+    N_44 = J_44 * J_44 + t7
+    N_50 = J_40 * J_45
+    N_51 = t5 + J_41 * J_45
+    N_52 = J_42 * J_45
+    N_53 = t6 + J_43 * J_45
+    N_54 = J_44 * J_45
+    N_55 = t7 + J_45 * J_45
+    t8 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7
+    E_0 = 1 / N_00
+    L_10 = N_10 * E_0
+    L_20 = N_20 * E_0
+    L_30 = N_30 * E_0
+    L_40 = N_40 * E_0
+    L_50 = N_50 * E_0
+    D_1 = N_11 - N_00 * (L_10 * L_10)
+    E_1 = 1 / D_1
+    L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20))
+    L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30))
+    L_41 = E_1 * (N_41 - N_00 * (L_10 * L_40))
+    L_51 = E_1 * (N_51 - N_00 * (L_10 * L_50))
+    D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20)
+    E_2 = 1 / D_2
+    t9 = D_1 * L_21
+    L_32 = E_2 * (N_32 - L_31 * t9 - N_00 * (L_20 * L_30))
+    L_42 = E_2 * (N_42 - L_41 * t9 - N_00 * (L_20 * L_40))
+    L_52 = E_2 * (N_52 - L_51 * t9 - N_00 * (L_20 * L_50))
+    D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30)
+    E_3 = 1 / D_3
+    t10 = D_1 * L_31
+    t11 = D_2 * L_32
+    L_43 = E_3 * (N_43 - L_41 * t10 - L_42 * t11 - N_00 * (L_30 * L_40))
+    L_53 = E_3 * (N_53 - L_51 * t10 - L_52 * t11 - N_00 * (L_30 * L_50))
+    D_4 = N_44 - D_1 * (L_41 * L_41) - D_2 * (L_42 * L_42) - D_3 * (L_43 * L_43) - N_00 * (L_40 * L_40)
+    E_4 = 1 / D_4
+    t12 = N_54 - L_51 * (D_1 * L_41) - L_52 * (D_2 * L_42) - L_53 * (D_3 * L_43) - N_00 * (L_40 * L_50)
+    L_54 = E_4 * t12
+    t13 = N_55 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54)
+    D_5 = t13 - N_00 * (L_50 * L_50)
+    y_1 = t8 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_41 * r_4 + J_51 * r_5 + J_71 * r_7)
+    y_2 = t8 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1
+    t14 = t8 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1
+    y_3 = t14 - L_32 * y_2
+    t15 = t8 * L_40 - (J_44 * r_4 + weights_0 * r_0 + weights_0 * r_2) - L_41 * y_1 - L_42 * y_2
+    y_4 = t15 - L_43 * y_3
+    t16 = t8 * L_50 - (J_45 * r_4 + weights_0 * r_1 + weights_0 * r_3) - L_51 * y_1 - L_52 * y_2
+    y_5 = t16 - L_53 * y_3 - L_54 * y_4
+    x_5 = y_5 / D_5
+    x_4 = E_4 * y_4 - L_54 * x_5
+    x_3 = E_3 * y_3 - L_43 * x_4 - L_53 * x_5
+    x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 - L_52 * x_5
+    x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 - L_41 * x_4 - L_51 * x_5
+    t17 = t8 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + L_50 * x_5
+    size = ends_00 * ends_00 + ends_01 * ends_01 + ends_10 * ends_10 + ends_11 * ends_11
+    return (
+        (  # state_next
+            state_0 - t17,
+            state_1 + x_1,
+            state_2 + x_2,
+            state_3 + x_3,
+            state_4 + x_4,
+            state_5 + x_5,
+        ),
+        (  # change
+            t17 * t17 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + x_5 * x_5) / size,
+        ),
+    )
+
+
+def gauss_newton_3(state: Any, weights: Any, points: Any, ends: Any) -> tuple[Any, ...]:
+    """One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220
+    multiply, 7 divide)"""
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    weights_0, _weights_1, weights_2 = weights
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    ends_00, ends_01, ends_10, ends_11, ends_20, ends_21 = ends
+    f_1_0 = state_4 + state_0 * ends_00 + state_2 * ends_01 - points_00  # of s_i = p + Q d_i
+    f_1_1 = state_5 + state_1 * ends_00 + state_3 * ends_01 - points_01
+    f_2_0 = state_4 + state_0 * ends_10 + state_2 * ends_11 - points_10
+    f_2_1 = state_5 + state_1 * ends_10 + state_3 * ends_11 - points_11
+    f_3_0 = state_4 + state_0 * ends_20 + state_2 * ends_21 - points_20
+    f_3_1 = state_5 + state_1 * ends_20 + state_3 * ends_21 - points_21
+    J_00 = weights_0 * ends_00
+    J_02 = weights_0 * ends_01
+    J_20 = weights_0 * ends_10
+    J_22 = weights_0 * ends_11
+    J_40 = weights_0 * ends_20
+    J_42 = weights_0 * ends_21
+    J_60 = weights_2 * (state_0 * 2)
+    J_61 = weights_2 * (state_1 * 2)
+    J_72 = weights_2 * (state_2 * 2)
+    J_73 = weights_2 * (state_3 * 2)
+    J_80 = state_2 * weights_2
+    J_81 = state_3 * weights_2
+    J_82 = state_0 * weights_2
+    J_83 = state_1 * weights_2
+    r_0 = weights_0 * f_1_0
+    r_1 = weights_0 * f_1_1
+    r_2 = weights_0 * f_2_0
+    r_3 = weights_0 * f_2_1
+    r_4 = weights_0 * f_3_0
+    r_5 = weights_0 * f_3_1
+    r_6 = weights_2 * (state_0 * state_0 + state_1 * state_1 - 1)
+    r_7 = weights_2 * (state_2 * state_2 + state_3 * state_3 - 1)
+    r_8 = weights_2 * (state_0 * state_2 + state_1 * state_3)
+    t1 = J_00 * J_00 + J_20 * J_20 + J_40 * J_40
+    N_00 = t1 + J_60 * J_60 + J_80 * J_80
+    N_10 = J_60 * J_61 + J_80 * J_81
+    N_11 = t1 + J_61 * J_61 + J_81 * J_81
+    t2 = J_00 * J_02 + J_20 * J_22 + J_40 * J_42
+    N_20 = t2 + J_80 * J_82
+    N_21 = J_81 * J_82
+    t3 = J_02 * J_02 + J_22 * J_22 + J_42 * J_42
+    N_22 = t3 + J_72 * J_72 + J_82 * J_82
+    N_30 = J_80 * J_83
+    N_31 = t2 + J_81 * J_83
+    N_32 = J_72 * J_73 + J_82 * J_83
+    N_33 = t3 + J_73 * J_73 + J_83 * J_83
+    N_40 = weights_0 * J_00 + weights_0 * J_20 + weights_0 * J_40
+    N_42 = weights_0 * J_02 + weights_0 * J_22 + weights_0 * J_42
+    N_44 = 3 * (weights_0 * weights_0)
+    t4 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_60 * r_6 + J_80 * r_8
+    E_0 = 1 / N_00
+    L_10 = N_10 * E_0
+    L_20 = N_20 * E_0
+    L_30 = N_30 * E_0
+    L_40 = N_40 * E_0
+    t5 = N_00 * (L_10 * L_10)
+    D_1 = N_11 - t5
+    E_1 = 1 / D_1
+    L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20))
+    L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30))
+    t6 = N_00 * (L_40 * (L_10 * E_1))
+    L_51 = N_40 * E_1
+    D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20)
+    E_2 = 1 / D_2
+    t7 = D_1 * L_21
+    L_32 = E_2 * (N_32 - L_31 * t7 - N_00 * (L_20 * L_30))
+    L_42 = E_2 * (N_42 + t6 * t7 - N_00 * (L_20 * L_40))
+    L_52 = L_51 * (L_21 * (E_2 * (t5 - N_11)))
+    D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30)
+    E_3 = 1 / D_3
+    t8 = D_1 * L_31
+    t9 = D_2 * L_32
+    t10 = E_3 * (L_42 * t9 - t6 * t8 + N_00 * (L_30 * L_40))
+    L_53 = E_3 * (N_42 - L_51 * t8 - L_52 * t9)
+    D_4 = N_44 - D_1 * (t6 * t6) - D_2 * (L_42 * L_42) - D_3 * (t10 * t10) - N_00 * (L_40 * L_40)
+    E_4 = 1 / D_4
+    L_54 = E_4 * (L_53 * (D_3 * t10) - (L_52 * (D_2 * L_42) - L_51 * (D_1 * t6)))
+    D_5 = N_44 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54)
+    y_1 = t4 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_40 * r_5 + J_61 * r_6 + J_81 * r_8)
+    y_2 = t4 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_72 * r_7 + J_82 * r_8) - L_21 * y_1
+    t11 = t4 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_42 * r_5 + J_73 * r_7 + J_83 * r_8) - L_31 * y_1
+    y_3 = t11 - L_32 * y_2
+    t12 = t4 * L_40 - (weights_0 * r_0 + weights_0 * r_2 + weights_0 * r_4) + t6 * y_1 - L_42 * y_2
+    y_4 = t12 + t10 * y_3
+    t13 = weights_0 * r_1 + weights_0 * r_3 + weights_0 * r_5 + L_51 * y_1 + L_52 * y_2 + L_53 * y_3
+    t14 = (t13 + L_54 * y_4) / D_5
+    x_4 = E_4 * y_4 + L_54 * t14
+    x_3 = E_3 * y_3 + t10 * x_4 + L_53 * t14
+    x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t14
+    x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + t6 * x_4 + L_51 * t14
+    t15 = t4 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4
+    t16 = ends_00 * ends_00 + ends_01 * ends_01 + ends_10 * ends_10 + ends_11 * ends_11 + ends_20 * ends_20
+    size = t16 + ends_21 * ends_21
+    return (
+        (  # state_next
+            state_0 - t15,
+            state_1 + x_1,
+            state_2 + x_2,
+            state_3 + x_3,
+            state_4 + x_4,
+            state_5 - t14,
+        ),
+        (  # change
+            t15 * t15 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t14 * t14) / size,
+        ),
+    )
+
+
+def encoder_pose(s: Any, state: Any, axes: Any) -> tuple[Any, ...]:
+    """The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1
+    divide, 1 square root)"""
+    s_00, s_01, s_02, _s_10, _s_11, _s_12, _s_20, _s_21, _s_22 = s
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    axes_00, axes_01, axes_02, axes_10, axes_11, axes_12, axes_20, axes_21, axes_22 = axes
+    norm = 1 / np.sqrt(state_0 * state_0 + state_1 * state_1)
+    cos = state_0 * norm
+    sin = state_1 * norm
+    return (
+        (  # p
+            s_00 + state_4 * axes_00 + state_5 * axes_01,
+            s_01 + state_4 * axes_10 + state_5 * axes_11,
+            s_02 + state_4 * axes_20 + state_5 * axes_21,
+        ),
+        (  # Q
+            axes_00 * cos + axes_01 * sin,
+            axes_01 * cos - axes_00 * sin,
+            axes_02,
+            axes_10 * cos + axes_11 * sin,
+            axes_11 * cos - axes_10 * sin,
+            axes_12,
+            axes_20 * cos + axes_21 * sin,
+            axes_21 * cos - axes_20 * sin,
+            axes_22,
+        ),
+        (  # raw
+            state_0 * axes_00 + state_1 * axes_01,
+            state_2 * axes_00 + state_3 * axes_01,
+            axes_02,
+            state_0 * axes_10 + state_1 * axes_11,
+            state_2 * axes_10 + state_3 * axes_11,
+            axes_12,
+            state_0 * axes_20 + state_1 * axes_21,
+            state_2 * axes_20 + state_3 * axes_21,
+            axes_22,
+        ),
     )

@@ -49,6 +49,8 @@ class Status(IntEnum):
     """an input is NaN or infinite"""
     NO_ASSEMBLY = 12
     """no platform fits the three end points"""
+    INCONSISTENT = 13
+    """encoders contradict the end points by more than the tolerance"""
 
 
 class Port(NamedTuple):

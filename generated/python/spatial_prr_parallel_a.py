@@ -34,6 +34,12 @@ __all__ = [
     "end_points",
     "forward",
     "forward_all",
+    "forward_encoders_1",
+    "forward_encoders_2",
+    "forward_encoders_3",
+    "forward_gauss_newton_2",
+    "forward_gauss_newton_3",
+    "forward_newton",
     "inverse",
     "inverse_all",
     "inverse_near",
@@ -523,6 +529,110 @@ SIGNATURES = {
         ),
         "(3,3),(3,2),()->(3),(3,3),(3),(),(),()",
     ),
+    "forward_newton": rt.Signature(
+        "forward_newton",
+        "The pose by Newton steps from one nearby, in the platform's plane, where three of nine unknowns are left; and whether they are certain to converge.",
+        "3.2.2",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("p_near", (3,), "m", "base", "position of O' nearby, the previous one on a path", "shared", ()),
+            rt.Port("Q_near", (3, 3), "1", "base", "orientation nearby, the previous one on a path", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+            rt.Port("kantorovich", (), "1", "-", "2 b K n at the pose nearby: at most 1 where the steps are certain to converge", "shared", ()),
+        ),
+        "(3,3),(3),(3,3)->(3),(3,3),(3),(),()",
+    ),
+    "forward_encoders_1": rt.Signature(
+        "forward_encoders_1",
+        "The pose with an encoder at the first redundant joint: of two solutions the one that fits the third link's length.",
+        "3.2.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (1,), "rad", "joint", "redundant coordinates measured at leg 1", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("other_mismatch", (), "m", "-", "the same for the solution that is not given", "shared", ()),
+        ),
+        "(3,3),(1),()->(3),(3,3),(),(),()",
+    ),
+    "forward_encoders_2": rt.Signature(
+        "forward_encoders_2",
+        "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
+        "3.2.4, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (2,), "rad", "joint", "redundant coordinates measured at legs 1 to 2", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(2),()->(3),(3,3),(3,3),(),()",
+    ),
+    "forward_encoders_3": rt.Signature(
+        "forward_encoders_3",
+        "The pose with encoders at three redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
+        "3.2.5, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (3,), "rad", "joint", "redundant coordinates measured at legs 1 to 3", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(3),()->(3),(3,3),(3,3),(),()",
+    ),
+    "forward_gauss_newton_2": rt.Signature(
+        "forward_gauss_newton_2",
+        "The pose with encoders at two redundant joints, by weighted least squares.",
+        "3.2.6, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (2,), "rad", "joint", "redundant coordinates measured at legs 1 to 2", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(2),(),(3)->(3),(3,3),(3,3),(),()",
+    ),
+    "forward_gauss_newton_3": rt.Signature(
+        "forward_gauss_newton_3",
+        "The pose with encoders at three redundant joints, by weighted least squares.",
+        "3.2.6, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (3,), "rad", "joint", "redundant coordinates measured at legs 1 to 3", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(3),(),(3)->(3),(3,3),(3,3),(),()",
+    ),
 }
 
 
@@ -589,6 +699,60 @@ class Forward(NamedTuple):
     redundant: Any
     count: Any
     certified: Any
+
+
+class ForwardNewton(NamedTuple):
+    """Results of `forward_newton`."""
+
+    p: Any
+    Q: Any
+    redundant: Any
+    kantorovich: Any
+
+
+class ForwardEncoders1(NamedTuple):
+    """Results of `forward_encoders_1`."""
+
+    p: Any
+    Q: Any
+    mismatch: Any
+    other_mismatch: Any
+
+
+class ForwardEncoders2(NamedTuple):
+    """Results of `forward_encoders_2`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
+
+
+class ForwardEncoders3(NamedTuple):
+    """Results of `forward_encoders_3`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
+
+
+class ForwardGaussNewton2(NamedTuple):
+    """Results of `forward_gauss_newton_2`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
+
+
+class ForwardGaussNewton3(NamedTuple):
+    """Results of `forward_gauss_newton_3`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
 
 
 @lru_cache(maxsize=64)
@@ -1458,4 +1622,313 @@ def forward(
             ),
         )
     answer = Forward(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_newton(
+    s: Any, p_near: Any, Q_near: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose by Newton steps from one nearby, in the platform's plane, where three of nine unknowns
+    are left; and whether they are certain to converge.
+
+    Thesis: 3.2.2.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        p_near (..., 3) [m] in the base frame: position of O' nearby, the previous one on a path
+        Q_near (..., 3, 3) in the base frame: orientation nearby, the previous one on a path
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+        kantorovich (...): 2 b K n at the pose nearby: at most 1 where the steps are certain to
+            converge
+    """
+    arguments = rt.Arguments(SIGNATURES["forward_newton"], (s, p_near, Q_near,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        anchor, length = platform.tie(g.platform)
+        flatness, points, axes, centre, start, kantorovich = platform.newton_start(
+            arguments.whole("s"), rt.legs(anchor), rt.legs(length), arguments.whole("p_near"),
+            arguments.whole("Q_near"))
+        state, change = rt.repeat(
+            lambda at: platform.newton_step(at, centre, rt.legs(anchor), rt.legs(length), points), start,
+            1e-20, 25)
+        p, Q, redundant = platform.newton_pose(arguments.whole("s"), state, rt.legs(anchor), points, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "redundant": redundant,
+                "kantorovich": kantorovich,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "kantorovich", )),
+                rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", "kantorovich", )),
+            ),
+        )
+    answer = ForwardNewton(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_encoders_1(
+    s: Any, measured: Any, tolerance: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose with an encoder at the first redundant joint: of two solutions the one that fits the
+    third link's length.
+
+    Thesis: 3.2.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 1) [rad]: redundant coordinates measured at leg 1
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        other_mismatch (...) [m]: the same for the solution that is not given
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    arguments = rt.Arguments(SIGNATURES["forward_encoders_1"], (s, measured, tolerance,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        turns = platform.turns_1(arguments.whole("measured"))
+        anchor, length = platform.tie(g.platform)
+        arm = platform.arm(g.platform)
+        flatness, radicand, p, Q, mismatch, other_mismatch, agreement, apart = platform.one_encoder(
+            arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
+            arguments.whole("tolerance"))
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "mismatch": mismatch,
+                "other_mismatch": other_mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "mismatch", "other_mismatch", )),
+                rt.Guard(radicand[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "mismatch", "other_mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "mismatch", "other_mismatch", )),
+                rt.Guard(apart[0], True, 0.0, Status.AMBIGUOUS, False, ("p", "Q", "mismatch", "other_mismatch", )),
+            ),
+        )
+    answer = ForwardEncoders1(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_encoders_2(
+    s: Any, measured: Any, tolerance: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose with encoders at two redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation.
+
+    Thesis: 3.2.4, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 2) [rad]: redundant coordinates measured at legs 1 to 2
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    arguments = rt.Arguments(SIGNATURES["forward_encoders_2"], (s, measured, tolerance,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        turns = platform.turns_2(arguments.whole("measured"))
+        anchor, length = platform.tie(g.platform)
+        arm = platform.arm(g.platform)
+        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.two_encoders(
+            arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
+            arguments.whole("tolerance"))
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardEncoders2(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_encoders_3(
+    s: Any, measured: Any, tolerance: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose with encoders at three redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation.
+
+    Thesis: 3.2.5, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 3) [rad]: redundant coordinates measured at legs 1 to 3
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    arguments = rt.Arguments(SIGNATURES["forward_encoders_3"], (s, measured, tolerance,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        turns = platform.turns_3(arguments.whole("measured"))
+        anchor, length = platform.tie(g.platform)
+        arm = platform.arm(g.platform)
+        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.three_encoders(
+            arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
+            arguments.whole("tolerance"))
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardEncoders3(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_gauss_newton_2(
+    s: Any, measured: Any, tolerance: Any = None, weights: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose with encoders at two redundant joints, by weighted least squares.
+
+    Thesis: 3.2.6, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 2) [rad]: redundant coordinates measured at legs 1 to 2
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third link's length (1/m) and
+            of Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    if weights is None:
+        weights = (1000.0, 1000.0, 1000.0)
+    arguments = rt.Arguments(SIGNATURES["forward_gauss_newton_2"], (s, measured, tolerance, weights,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        turns = platform.turns_2(arguments.whole("measured"))
+        anchor, length = platform.tie(g.platform)
+        arm = platform.arm(g.platform)
+        flatness, points, axes, ends, linear, mismatch, agreement = platform.two_encoders(
+            arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
+            arguments.whole("tolerance"))
+        state, change = rt.repeat(
+            lambda at: platform.gauss_newton_2(at, arguments.whole("weights"), points, ends, rt.legs(anchor), rt.legs(length)),
+            linear, 1e-24, 25)
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardGaussNewton2(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_gauss_newton_3(
+    s: Any, measured: Any, tolerance: Any = None, weights: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose with encoders at three redundant joints, by weighted least squares.
+
+    Thesis: 3.2.6, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 3) [rad]: redundant coordinates measured at legs 1 to 3
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third link's length (1/m) and
+            of Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    if weights is None:
+        weights = (1000.0, 1000.0, 1000.0)
+    arguments = rt.Arguments(SIGNATURES["forward_gauss_newton_3"], (s, measured, tolerance, weights,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        turns = platform.turns_3(arguments.whole("measured"))
+        anchor, length = platform.tie(g.platform)
+        arm = platform.arm(g.platform)
+        flatness, points, axes, ends, linear, mismatch, agreement = platform.three_encoders(
+            arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
+            arguments.whole("tolerance"))
+        state, change = rt.repeat(
+            lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
+            25)
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardGaussNewton3(*results[:-1])
     return (answer, results[-1]) if status else answer

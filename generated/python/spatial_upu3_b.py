@@ -34,6 +34,9 @@ __all__ = [
     "end_points",
     "forward",
     "forward_all",
+    "forward_encoders_2",
+    "forward_encoders_3",
+    "forward_gauss_newton_3",
     "inverse",
     "inverse_all",
     "inverse_near",
@@ -549,6 +552,58 @@ SIGNATURES = {
         ),
         "(3,3),(3,3),()->(3),(3,3),(3),(),(),()",
     ),
+    "forward_encoders_2": rt.Signature(
+        "forward_encoders_2",
+        "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
+        "3.2.4, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (2,), "m", "joint", "redundant coordinates measured at legs 1 to 2", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(2),()->(3),(3,3),(3,3),(),()",
+    ),
+    "forward_encoders_3": rt.Signature(
+        "forward_encoders_3",
+        "The pose with encoders at three redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
+        "3.2.5, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (3,), "m", "joint", "redundant coordinates measured at legs 1 to 3", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(3),()->(3),(3,3),(3,3),(),()",
+    ),
+    "forward_gauss_newton_3": rt.Signature(
+        "forward_gauss_newton_3",
+        "The pose with encoders at three redundant joints, by weighted least squares.",
+        "3.2.6, 3.3",
+        (
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (3,), "m", "joint", "redundant coordinates measured at legs 1 to 3", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1", "shared", ()),
+        ),
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+        ),
+        "(3,3),(3),(),(3)->(3),(3,3),(3,3),(),()",
+    ),
 }
 
 
@@ -615,6 +670,33 @@ class Forward(NamedTuple):
     redundant: Any
     count: Any
     certified: Any
+
+
+class ForwardEncoders2(NamedTuple):
+    """Results of `forward_encoders_2`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
+
+
+class ForwardEncoders3(NamedTuple):
+    """Results of `forward_encoders_3`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
+
+
+class ForwardGaussNewton3(NamedTuple):
+    """Results of `forward_gauss_newton_3`."""
+
+    p: Any
+    Q: Any
+    raw: Any
+    mismatch: Any
 
 
 @lru_cache(maxsize=64)
@@ -1511,4 +1593,152 @@ def forward(
             ),
         )
     answer = Forward(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_encoders_2(
+    s: Any, measured: Any, tolerance: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose with encoders at two redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation.
+
+    Thesis: 3.2.4, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 2) [m]: redundant coordinates measured at legs 1 to 2
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    arguments = rt.Arguments(SIGNATURES["forward_encoders_2"], (s, measured, tolerance,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide, distance, start = platform.tie(g.platform)
+        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.two_encoders(
+            arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
+            rt.legs(start), arguments.whole("tolerance"))
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardEncoders2(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_encoders_3(
+    s: Any, measured: Any, tolerance: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The pose with encoders at three redundant joints, by linear equations; the orientation as they
+    give it, and made a rotation.
+
+    Thesis: 3.2.5, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 3) [m]: redundant coordinates measured at legs 1 to 3
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    arguments = rt.Arguments(SIGNATURES["forward_encoders_3"], (s, measured, tolerance,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide, distance, start = platform.tie(g.platform)
+        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.three_encoders(
+            arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
+            rt.legs(start), arguments.whole("tolerance"))
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardEncoders3(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def forward_gauss_newton_3(
+    s: Any, measured: Any, tolerance: Any = None, weights: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose with encoders at three redundant joints, by weighted least squares.
+
+    Thesis: 3.2.6, 3.3.
+
+    Args:
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 3) [m]: redundant coordinates measured at legs 1 to 3
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third link's length (1/m) and
+            of Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        raw (..., 3, 3) in the base frame: orientation as the equations give it
+        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    if weights is None:
+        weights = (1000.0, 1000.0, 1000.0)
+    arguments = rt.Arguments(SIGNATURES["forward_gauss_newton_3"], (s, measured, tolerance, weights,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide, distance, start = platform.tie(g.platform)
+        flatness, points, axes, ends, linear, mismatch, agreement = platform.three_encoders(
+            arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
+            rt.legs(start), arguments.whole("tolerance"))
+        state, change = rt.repeat(
+            lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
+            25)
+        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        results = arguments.finish(
+            {
+                "p": p,
+                "Q": Q,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardGaussNewton3(*results[:-1])
     return (answer, results[-1]) if status else answer

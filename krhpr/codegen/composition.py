@@ -33,6 +33,7 @@ class Status(IntEnum):
     AMBIGUOUS = 10
     INVALID_INPUT = 11
     NO_ASSEMBLY = 12
+    INCONSISTENT = 13
 
 
 LEG_STATUSES = frozenset({Status.UNREACHABLE_LEG_1, Status.SINGULAR_LEG_1})
@@ -54,6 +55,7 @@ STATUS_DOC = {
     Status.AMBIGUOUS: "several answers cannot be told apart",
     Status.INVALID_INPUT: "an input is NaN or infinite",
     Status.NO_ASSEMBLY: "no platform fits the three end points",
+    Status.INCONSISTENT: "encoders contradict the end points by more than the tolerance",
 }
 
 SINGULAR_TOLERANCE = 1e-12
@@ -170,7 +172,7 @@ class Call:
     """One kernel of a part, with the robot's variables bound to its ports.
 
     `inputs` names the variable for each input port that is not called like its variable; `outputs` likewise.
-    With `repeat` it is an iteration of a leg's kernel, with `each` it is called at every root of a
+    With `repeat` it is an iteration, with `each` it is called at every root of a
     polynomial.
     """
 
@@ -185,8 +187,8 @@ class Call:
     def __post_init__(self) -> None:
         if self.each is not None and self.stage is Stage.SHARED:
             raise ValueError(f"{self.part}.{self.kernel}: shared kernels are not called at roots")
-        if self.repeat is not None and self.stage is not Stage.LEG:
-            raise ValueError(f"{self.part}.{self.kernel}: only kernels of a leg are repeated")
+        if self.repeat is not None and self.stage is Stage.SHARED:
+            raise ValueError(f"{self.part}.{self.kernel}: shared kernels are not repeated")
 
     def variable_in(self, port: str) -> str:
         """The variable that an input port of the kernel reads (at first, where it is repeated)."""

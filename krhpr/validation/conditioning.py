@@ -20,6 +20,9 @@ STEP = 1e-7
 DIRECTIONS = 3
 """How many times, in random directions."""
 
+MEASURED = ("s", "theta", "measured", "p_near", "Q_near", "phi_near")
+"""Inputs that are known with errors."""
+
 SURE = 0.97
 """The share of configurations that must not be next to ones with other solutions."""
 
@@ -50,7 +53,7 @@ def condition(function: RobotFunction, batch: Batch, seed: int) -> Floats:
 
 def _solved(function: RobotFunction) -> list[str]:
     """The inputs that are measured; signs that choose among solutions are exact."""
-    return [port.name for port in function.inputs if port.name in ("s", "theta")]
+    return [port.name for port in function.inputs if port.name in MEASURED]
 
 
 def _moved(rng: np.random.Generator, values: Floats) -> Floats:

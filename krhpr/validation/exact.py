@@ -79,6 +79,10 @@ def _reachable(
     ties = subject.ties(geometry, BALLS)
     for port in ports:
         value = batch.values.get(port.name)
+        if port.name == "turns":
+            angles = [Ball(x) for x in batch.values["measured"][0][: port.shape[0]].tolist()]
+            inputs[port.name] = [x for angle in angles for x in (angle.cos(), angle.sin())]
+            continue
         if value is None and port.name in posture:
             inputs[port.name] = posture[port.name]
             continue
@@ -88,7 +92,8 @@ def _reachable(
         if value is None:
             inputs[port.name] = [Ball(source.nonzero()) for _ in range(port.size)]
             continue
-        numbers = (value[0][0] if port.per_leg else value[0]).ravel().tolist()
+        value = batch.argument(port)[0]
+        numbers = (value[0] if port.per_leg else value).ravel().tolist()
         inputs[port.name] = [Ball(number) for number in numbers]
     if any(port.name == "Q" for port in ports) and subject.planar:
         inputs["Q"] = [Ball(value) for value in source.rotation(2)]

@@ -46,11 +46,16 @@ class Batch:
 
     def of(self, function: RobotFunction) -> Values:
         """The arguments of a function."""
-        return {port.name: self.values[port.name] for port in function.inputs}
+        return {port.name: self.argument(port) for port in function.inputs}
+
+    def argument(self, port: Port) -> Floats:
+        """An argument; the first elements, where a function takes fewer (of encoders)."""
+        values = self.values[port.name]
+        return values[:, : port.shape[0]] if port.name == "measured" else values
 
     def element(self, function: RobotFunction, index: int) -> dict[str, list[float]]:
         """The arguments of a function for one configuration, flat."""
-        return {port.name: self.values[port.name][index].ravel().tolist() for port in function.inputs}
+        return {port.name: self.argument(port)[index].ravel().tolist() for port in function.inputs}
 
     def changed(self, **values: Any) -> Batch:
         """The same with some arguments changed."""
@@ -173,9 +178,25 @@ def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Value
         ("theta_ddot", (LEGS, subject.subleg.n)),
     ):
         values[name] = rng.uniform(-1, 1, (count, *shape))
+    values |= _measurements(subject, rng, values)
     values["side"] = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     values["turned"] = np.ones(count)  # end points of one platform seldom fit the one turned over
     return values
+
+
+def _measurements(subject: Subject, rng: np.random.Generator, values: Values) -> Values:
+    """Encoders with errors, a pose nearby, and weights."""
+    count = len(values["p"])
+    error = 0.0005 if subject.platform.redundant_joint.kind == "revolute" else 0.00005
+    found = {"measured": values["redundant"] + rng.uniform(-error, error, (count, LEGS))}
+    found["p_near"] = values["p"] + rng.uniform(-NEAR, NEAR, values["p"].shape)
+    if subject.planar:
+        found["phi_near"] = values["phi"] + rng.uniform(-0.05, 0.05, count)
+    else:
+        found["Q_near"] = values["Q"] @ rotations(rng.uniform(-0.03, 0.03, (count, 3)))
+    found["tolerance"] = np.full(count, 0.05)
+    found["weights"] = rng.uniform(300, 3000, (count, 3))
+    return found
 
 
 def redundant_box(subject: Subject, rng: np.random.Generator, count: int, wide: bool = False) -> Floats:
@@ -221,6 +242,11 @@ def _complete(
     spread = 2.5 if subject.subleg.has_inverse else NEAR  # where it is the start of Newton steps
     near = rng.uniform(-spread, spread, values["theta"].shape)
     values["theta_near"] = values["theta"] + near + 2 * np.pi * turns
+    if any(function.name == "forward_encoders_1" for function in subject.code.functions):
+        found = evaluate(subject, "forward_encoders_1", values, geometry)
+        best, other = found["mismatch"], found["other_mismatch"]
+        values["tolerance"] = (best + other) / 2  # between those of the two solutions
+        good &= (best < other / 4) & (other > 0.002)
     return {name: array[good] for name, array in values.items()}
 
 

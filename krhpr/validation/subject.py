@@ -114,8 +114,13 @@ class Subject:
 
     def ties(self, geometry: Fields, arithmetic: Arithmetic) -> Outputs:
         """What the forward kinematics knows of all legs' places on the platform."""
-        legs = [self.kernel("platform", "tie", {}, geometry, leg, arithmetic) for leg in range(LEGS)]
-        return {name: [value for leg in legs for value in leg[name]] for name in legs[0]}
+        found: dict[str, list[Any]] = {}
+        known = {kernel.name for kernel in self.code.platform.kernels}
+        for kernel in ("tie", "arm"):
+            for leg in range(LEGS if kernel in known else 0):
+                for name, values in self.kernel("platform", kernel, {}, geometry, leg, arithmetic).items():
+                    found.setdefault(name, []).extend(values)
+        return found
 
     def function(
         self, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic

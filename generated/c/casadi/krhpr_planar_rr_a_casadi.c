@@ -42,6 +42,9 @@
 #define krhpr_planar_rr_a_link_points plain_link_points
 #define krhpr_planar_rr_a_singularity plain_singularity
 #define krhpr_planar_rr_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rr_a_forward_encoders_1 plain_forward_encoders_1
+#define krhpr_planar_rr_a_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_planar_rr_a_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_planar_rr_a.c"
 #undef krhpr_planar_rr_a_end_points
 #undef krhpr_planar_rr_a_redundant_coordinates
@@ -62,6 +65,9 @@
 #undef krhpr_planar_rr_a_link_points
 #undef krhpr_planar_rr_a_singularity
 #undef krhpr_planar_rr_a_type_2_of_redundant
+#undef krhpr_planar_rr_a_forward_encoders_1
+#undef krhpr_planar_rr_a_forward_encoders_2
+#undef krhpr_planar_rr_a_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -78,9 +84,9 @@ static const krhpr_planar_rr_a_geometry geometry = {
         { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_1 = 0.15, .l_2 = 0.16, .o = {1.5308084989341915e-17, 0.25}, .k = {0.00010000000000000018, 0.0961, 0.0225, 0.0256, 0.010000000000000009, 41.666666666666664, 6.25} }
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0} }
+        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0, -0.04330127018922193, -0.02500000000000001} },
+        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0, 0.04330127018922192, -0.025000000000000022} },
+        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0, 3.061616997868383e-18, 0.05} }
     }
 };
 
@@ -1061,3 +1067,72 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_encoders_1 -- */
+
+static int value_forward_encoders_1(const double *x, double *y)
+{
+    return plain_forward_encoders_1(&geometry, x, x + 6, x[7], y, y + 2, y + 3, y + 4);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_1[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 1, 1, 1, NULL, P2, P3},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_1[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_1 = {
+    3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_1), function_forward_encoders_1)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 6, x[8], y, y + 2, y + 3, y + 7);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 2, 1, 1, NULL, P0, P1},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_raw", 2, 2, 1, NULL, P8, P9},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 6, x[9], y, y + 2, y + 3, y + 7);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_raw", 2, 2, 1, NULL, P8, P9},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

@@ -43,6 +43,9 @@
 #define krhpr_planar_rrr_a_link_points plain_link_points
 #define krhpr_planar_rrr_a_singularity plain_singularity
 #define krhpr_planar_rrr_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rrr_a_forward_encoders_1 plain_forward_encoders_1
+#define krhpr_planar_rrr_a_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_planar_rrr_a_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_planar_rrr_a.c"
 #undef krhpr_planar_rrr_a_end_points
 #undef krhpr_planar_rrr_a_redundant_coordinates
@@ -64,6 +67,9 @@
 #undef krhpr_planar_rrr_a_link_points
 #undef krhpr_planar_rrr_a_singularity
 #undef krhpr_planar_rrr_a_type_2_of_redundant
+#undef krhpr_planar_rrr_a_forward_encoders_1
+#undef krhpr_planar_rrr_a_forward_encoders_2
+#undef krhpr_planar_rrr_a_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -80,9 +86,9 @@ static const krhpr_planar_rrr_a_geometry geometry = {
         { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {1.5308084989341915e-17, 0.25}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} }
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0} }
+        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0, -0.04330127018922193, -0.02500000000000001} },
+        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0, 0.04330127018922192, -0.025000000000000022} },
+        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0, 3.061616997868383e-18, 0.05} }
     }
 };
 
@@ -110,70 +116,72 @@ static const casadi_int P14[3] = {1, 3, 1};
 static const casadi_int P15[6] = {1, 3, 0, 0, 0, 0};
 static const casadi_int P16[3] = {4, 2, 1};
 static const casadi_int P17[5] = {4, 2, 0, 0, 0};
-static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P19[3] = {6, 1, 1};
-static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P22[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P18[3] = {2, 2, 1};
+static const casadi_int P19[5] = {2, 2, 0, 0, 0};
+static const casadi_int P20[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P21[3] = {6, 1, 1};
+static const casadi_int P22[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P23[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P24[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P23[21] = {6, 6, 0, 6, 6, 6, 12, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P24[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P25[21] = {6, 6, 0, 0, 6, 6, 6, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P26[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P27[21] = {6, 6, 0, 0, 0, 6, 6, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P28[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P29[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P30[15] = {6, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P31[20] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P32[15] = {6, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P33[20] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P34[15] = {6, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P35[20] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P36[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P37[3] = {9, 1, 1};
-static const casadi_int P38[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P39[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P40[23] = {27, 2, 0, 9, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13, 16, 20, 23,
+static const casadi_int P25[21] = {6, 6, 0, 6, 6, 6, 12, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P26[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P27[21] = {6, 6, 0, 0, 6, 6, 6, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P28[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P29[21] = {6, 6, 0, 0, 0, 6, 6, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P30[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P31[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P32[15] = {6, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P33[20] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P34[15] = {6, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P35[20] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P36[15] = {6, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P37[20] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P38[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P39[3] = {9, 1, 1};
+static const casadi_int P40[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P41[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P42[23] = {27, 2, 0, 9, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13, 16, 20, 23,
     26};
-static const casadi_int P41[13] = {27, 1, 0, 9, 0, 3, 6, 10, 13, 16, 20, 23, 26};
-static const casadi_int P42[27] = {27, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13,
+static const casadi_int P43[13] = {27, 1, 0, 9, 0, 3, 6, 10, 13, 16, 20, 23, 26};
+static const casadi_int P44[27] = {27, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13,
     16, 20, 23, 26};
-static const casadi_int P43[24] = {27, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 13, 16, 23, 26, 3, 6, 13, 16, 23,
+static const casadi_int P45[24] = {27, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 13, 16, 23, 26, 3, 6, 13, 16, 23,
     26};
-static const casadi_int P44[15] = {3, 6, 0, 3, 3, 3, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P45[16] = {3, 9, 0, 2, 2, 2, 4, 4, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P46[15] = {3, 6, 0, 0, 3, 3, 3, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P47[16] = {3, 9, 0, 0, 2, 2, 2, 4, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P48[15] = {3, 6, 0, 0, 0, 3, 3, 3, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P49[16] = {3, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P50[3] = {9, 2, 1};
-static const casadi_int P51[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P52[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P53[3] = {6, 2, 1};
-static const casadi_int P54[3] = {3, 6, 1};
-static const casadi_int P55[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P46[15] = {3, 6, 0, 3, 3, 3, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P47[16] = {3, 9, 0, 2, 2, 2, 4, 4, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P48[15] = {3, 6, 0, 0, 3, 3, 3, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P49[16] = {3, 9, 0, 0, 2, 2, 2, 4, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P50[15] = {3, 6, 0, 0, 0, 3, 3, 3, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P51[16] = {3, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P52[3] = {9, 2, 1};
+static const casadi_int P53[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P54[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P55[3] = {6, 2, 1};
+static const casadi_int P56[3] = {3, 6, 1};
+static const casadi_int P57[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P56[3] = {3, 9, 1};
-static const casadi_int P57[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P58[3] = {3, 9, 1};
+static const casadi_int P59[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P58[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P60[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8};
-static const casadi_int P59[3] = {9, 3, 1};
-static const casadi_int P60[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P61[3] = {9, 3, 1};
+static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P61[5] = {8, 2, 0, 0, 0};
-static const casadi_int P62[4] = {8, 1, 0, 0};
-static const casadi_int P63[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P64[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P65[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P66[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P67[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P68[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P69[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P70[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[3] = {1, 2, 1};
-static const casadi_int P72[3] = {1, 6, 1};
-static const casadi_int P73[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P63[5] = {8, 2, 0, 0, 0};
+static const casadi_int P64[4] = {8, 1, 0, 0};
+static const casadi_int P65[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P66[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P67[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P68[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P69[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P70[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P71[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P72[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P73[3] = {1, 2, 1};
+static const casadi_int P74[3] = {1, 6, 1};
+static const casadi_int P75[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- end_points -- */
 
@@ -204,7 +212,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P18, P19, P20
+    P20, P21, P22
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -244,7 +252,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P21
+    P6, P4, P23
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -278,7 +286,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P22
+    P24
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -318,7 +326,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P23, P24, P25, P26, P27, P28
+    P25, P26, P27, P28, P29, P30
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta1_swivel", "jac_theta2_s", "jac_theta2_swivel", "jac_theta3_s", "jac_theta3_swivel"
@@ -358,7 +366,7 @@ static const krhpr_casadi_slot out_swivel[] = {
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_swivel[] = {
-    P21, P29
+    P23, P31
 };
 static const char *const names_swivel[] = {
     "jac_swivel_s", "jac_swivel_theta"
@@ -400,7 +408,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P30, P31, P32, P33, P34, P35
+    P32, P33, P34, P35, P36, P37
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -440,7 +448,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P21
+    P6, P4, P23
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -490,7 +498,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P36, P37, P38, P39, P40, P41, P42, P43
+    P38, P39, P40, P41, P42, P43, P44, P45
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -542,7 +550,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P36, P37, P38, P39, P6, P4, P44, P45, P6, P4, P46, P47, P6, P4, P48, P49
+    P38, P39, P40, P41, P6, P4, P46, P47, P6, P4, P48, P49, P6, P4, P50, P51
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -592,7 +600,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse[] = {
-    P50, P37, P51, P52, P51
+    P52, P39, P53, P54, P53
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode", "jac_theta_swivel"
@@ -640,7 +648,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P53, P19, P24, P24, P53, P19, P26, P26, P53, P19, P28, P28
+    P55, P21, P26, P26, P55, P21, P28, P28, P55, P21, P30, P30
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta1_swivel", "jac_theta2_p", "jac_theta2_phi",
@@ -723,7 +731,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P54, P55, P56
+    P6, P4, P56, P57, P58
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -779,7 +787,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P50, P37, P57, P58, P59, P51, P51
+    P52, P39, P59, P60, P61, P53, P53
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -853,7 +861,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P54, P55, P8, P56, P56
+    P6, P4, P56, P57, P8, P58, P58
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -928,7 +936,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P50, P37, P57, P58, P59, P51, P60, P59, P51, P51
+    P52, P39, P59, P60, P61, P53, P62, P61, P53, P53
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -983,7 +991,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P6, P4, P21, P29, P6, P4, P21, P13
+    P6, P4, P23, P31, P6, P4, P23, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1035,7 +1043,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P61, P62, P63, P64, P61, P62, P65, P66, P61, P62, P67, P68, P18, P19, P69, P70
+    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P20, P21, P71, P72
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1097,7 +1105,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P21, P29, P7, P5, P21, P29, P71, P2, P72, P73, P71, P2, P72, P73
+    P7, P5, P23, P31, P7, P5, P23, P31, P73, P2, P74, P75, P73, P2, P74, P75
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1150,3 +1158,72 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_encoders_1 -- */
+
+static int value_forward_encoders_1(const double *x, double *y)
+{
+    return plain_forward_encoders_1(&geometry, x, x + 6, x[7], y, y + 2, y + 3, y + 4);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_1[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 1, 1, 1, NULL, P2, P3},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_1[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_1 = {
+    3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_1), function_forward_encoders_1)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 6, x[8], y, y + 2, y + 3, y + 7);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 2, 1, 1, NULL, P0, P1},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 6, x[9], y, y + 2, y + 3, y + 7);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

@@ -45,6 +45,8 @@
 #define krhpr_planar_rrr_b_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_planar_rrr_b_forward_all plain_forward_all
 #define krhpr_planar_rrr_b_forward plain_forward
+#define krhpr_planar_rrr_b_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_planar_rrr_b_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_planar_rrr_b.c"
 #undef krhpr_planar_rrr_b_end_points
 #undef krhpr_planar_rrr_b_redundant_coordinates
@@ -68,6 +70,8 @@
 #undef krhpr_planar_rrr_b_type_2_of_redundant
 #undef krhpr_planar_rrr_b_forward_all
 #undef krhpr_planar_rrr_b_forward
+#undef krhpr_planar_rrr_b_forward_encoders_2
+#undef krhpr_planar_rrr_b_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_planar_tangent.h"
@@ -1266,3 +1270,49 @@ static const krhpr_casadi_function function_forward = {
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 6, x[8], y, y + 2, y + 3, y + 7);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 2, 1, 1, NULL, P0, P1},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 6, x[9], y, y + 2, y + 3, y + 7);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

@@ -1157,4 +1157,1250 @@ static inline void krhpr_platform_planar_a_uniqueness_tangent(
     }
 }
 
+/* `newton_start` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
+ * to (3.9).  (24 add, 12 multiply) */
+static inline void krhpr_platform_planar_a_newton_start_tangent(
+    const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *p_near,
+    const krhpr_dual *Q_near, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT centre,
+    krhpr_dual *KRHPR_RESTRICT start)
+{
+    (void)(length);
+    const double s_12_0 = s[2].v - s[0].v;
+    const double s_12_1 = s[3].v - s[1].v;
+    const double s_13_0 = s[4].v - s[0].v;
+    const double s_13_1 = s[5].v - s[1].v;
+    const double a_1_0 = p_near[0].v + anchor[0].v * Q_near[0].v + anchor[1].v * Q_near[1].v - s[0].v;
+    const double a_1_1 = p_near[1].v + anchor[0].v * Q_near[2].v + anchor[1].v * Q_near[3].v - s[1].v;
+    points[0].v = 0.0;
+    points[1].v = 0.0;
+    points[2].v = s_12_0;
+    points[3].v = s_12_1;
+    points[4].v = s_13_0;
+    points[5].v = s_13_1;
+    centre[0].v = Q_near[0].v;
+    centre[1].v = Q_near[2].v;
+    start[0].v = 0.0;
+    start[1].v = a_1_0;
+    start[2].v = a_1_1;
+    start[3].v = Q_near[0].v;
+    start[4].v = Q_near[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = p_near[0].t[k] + (Q_near[0].v * anchor[0].t[k] + anchor[0].v * Q_near[0].t[k]) + (Q_near[1].v * anchor[1].t[k] + anchor[1].v * Q_near[1].t[k]);
+        const double t2 = p_near[1].t[k] + (Q_near[2].v * anchor[0].t[k] + anchor[0].v * Q_near[2].t[k]) + (Q_near[3].v * anchor[1].t[k] + anchor[1].v * Q_near[3].t[k]);
+        points[0].t[k] = 0.0;
+        points[1].t[k] = 0.0;
+        points[2].t[k] = s[2].t[k] - s[0].t[k];
+        points[3].t[k] = s[3].t[k] - s[1].t[k];
+        points[4].t[k] = s[4].t[k] - s[0].t[k];
+        points[5].t[k] = s[5].t[k] - s[1].t[k];
+        centre[0].t[k] = Q_near[0].t[k];
+        centre[1].t[k] = Q_near[2].t[k];
+        start[0].t[k] = 0.0;
+        start[1].t[k] = t1 - s[0].t[k];
+        start[2].t[k] = t2 - s[1].t[k];
+        start[3].t[k] = Q_near[0].t[k];
+        start[4].t[k] = Q_near[2].t[k];
+    }
+}
+
+/* `newton_step` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
+ * to (3.9).  (199 add, 227 multiply, 6 divide, 1 square root, 1 sine cosine) */
+static inline void krhpr_platform_planar_a_newton_step_tangent(
+    const krhpr_dual *state, const krhpr_dual *centre, const krhpr_dual *anchor, const krhpr_dual *length,
+    const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
+{
+    const double d_2_0 = anchor[2].v - anchor[0].v;
+    const double d_2_1 = anchor[3].v - anchor[1].v;
+    const double d_3_0 = anchor[4].v - anchor[0].v;
+    const double d_3_1 = anchor[5].v - anchor[1].v;
+    double h1, h2; krhpr_sincos(state[0].v, &h1, &h2);
+    const double cos = centre[0].v * h2 - centre[1].v * h1;
+    const double sin = centre[0].v * h1 + centre[1].v * h2;
+    const double a_1_on_0 = state[1].v - points[0].v;
+    const double a_1_on_1 = state[2].v - points[1].v;
+    const double t1 = d_2_0 * cos;
+    const double t2 = d_2_1 * sin;
+    const double a_2_on_0 = state[1].v + t1 - points[2].v - t2;
+    const double t3 = d_2_1 * cos;
+    const double t4 = d_2_0 * sin;
+    const double a_2_on_1 = state[2].v + t3 + t4 - points[3].v;
+    const double t5 = d_3_0 * cos;
+    const double t6 = d_3_1 * sin;
+    const double a_3_on_0 = state[1].v + t5 - points[4].v - t6;
+    const double t7 = d_3_1 * cos;
+    const double t8 = d_3_0 * sin;
+    const double a_3_on_1 = state[2].v + t7 + t8 - points[5].v;
+    const double f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0].v * length[0].v);
+    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1].v * length[1].v);
+    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2].v * length[2].v);
+    const double h3 = t1 - t2;
+    const double h4 = t3 + t4;
+    const double g_2_on = a_2_on_1 * h3 - a_2_on_0 * h4;
+    const double h5 = t5 - t6;
+    const double h6 = t7 + t8;
+    const double g_3_on = a_3_on_1 * h5 - a_3_on_0 * h6;
+    const double lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0;
+    const double lambda_2_on = a_1_on_1 * a_3_on_0 - a_1_on_0 * a_3_on_1;
+    const double lambda_3_on = a_1_on_0 * a_2_on_1 - a_1_on_1 * a_2_on_0;
+    const double t9 = g_2_on * lambda_2_on + g_3_on * lambda_3_on;
+    const double h7 = (f_1_on * lambda_1_on + f_2_on * lambda_2_on + f_3_on * lambda_3_on) / t9;
+    const double h9 = g_2_on * h7 - f_2_on;
+    const double h10 = g_3_on * h7 - f_3_on;
+    const double h11 = a_3_on_1 * h9 - a_2_on_1 * h10;
+    const double h12 = a_1_on_1 * h10 + a_3_on_1 * f_1_on;
+    const double h13 = a_1_on_1 * h9 + a_2_on_1 * f_1_on;
+    const double h15 = lambda_1_on * h11 + lambda_2_on * h12 - lambda_3_on * h13;
+    const double t10 = lambda_1_on * lambda_1_on + lambda_2_on * lambda_2_on + lambda_3_on * lambda_3_on;
+    const double h14 = 1.0 / t10;
+    const double move_on_0 = h15 * h14;
+    const double h16 = a_2_on_0 * h10 - a_3_on_0 * h9;
+    const double h17 = a_1_on_0 * h10 + a_3_on_0 * f_1_on;
+    const double h18 = a_1_on_0 * h9 + a_2_on_0 * f_1_on;
+    const double h19 = lambda_1_on * h16 - lambda_2_on * h17 + lambda_3_on * h18;
+    const double move_on_1 = h14 * h19;
+    const double t11 = h7 * h7;
+    const double norm_on = 1.0 / sqrt(1.0 + t11);
+    const double h20 = cos + sin * h7;
+    const double cos_on = norm_on * h20;
+    const double h21 = sin - cos * h7;
+    const double sin_on = norm_on * h21;
+    const double size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
+    const double h22 = (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size;
+    const double h8 = 1.0 / t9;
+    const double h23 = 1.0 / size;
+    state_next[0].v = state[0].v - h7;
+    state_next[1].v = state[1].v + move_on_0;
+    state_next[2].v = state[2].v + move_on_1;
+    state_next[3].v = cos_on;
+    state_next[4].v = sin_on;
+    change[0].v = t11 + h22;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t12 = anchor[2].t[k] - anchor[0].t[k];
+        const double t13 = anchor[3].t[k] - anchor[1].t[k];
+        const double t14 = anchor[4].t[k] - anchor[0].t[k];
+        const double t15 = anchor[5].t[k] - anchor[1].t[k];
+        const double t16 = h1 * state[0].t[k];
+        const double t17 = h2 * state[0].t[k];
+        const double t18 = h2 * centre[0].t[k] - centre[0].v * t16 - (h1 * centre[1].t[k] + centre[1].v * t17);
+        const double t19 = h1 * centre[0].t[k] + centre[0].v * t17 + (h2 * centre[1].t[k] - centre[1].v * t16);
+        const double t20 = state[1].t[k] - points[0].t[k];
+        const double t21 = state[2].t[k] - points[1].t[k];
+        const double t22 = cos * t12 + d_2_0 * t18;
+        const double t23 = sin * t13 + d_2_1 * t19;
+        const double t24 = state[1].t[k] + t22 - points[2].t[k] - t23;
+        const double t25 = cos * t13 + d_2_1 * t18;
+        const double t26 = sin * t12 + d_2_0 * t19;
+        const double t27 = state[2].t[k] + t25 + t26 - points[3].t[k];
+        const double t28 = cos * t14 + d_3_0 * t18;
+        const double t29 = sin * t15 + d_3_1 * t19;
+        const double t30 = state[1].t[k] + t28 - points[4].t[k] - t29;
+        const double t31 = cos * t15 + d_3_1 * t18;
+        const double t32 = sin * t14 + d_3_0 * t19;
+        const double t33 = state[2].t[k] + t31 + t32 - points[5].t[k];
+        const double t34 = a_1_on_0 * t20;
+        const double t35 = a_1_on_1 * t21;
+        const double t36 = length[0].v * length[0].t[k];
+        const double t37 = 0.5 * (t34 + t34) + 0.5 * (t35 + t35) - 0.5 * (t36 + t36);
+        const double t38 = a_2_on_0 * t24;
+        const double t39 = a_2_on_1 * t27;
+        const double t40 = length[1].v * length[1].t[k];
+        const double t41 = 0.5 * (t38 + t38) + 0.5 * (t39 + t39) - 0.5 * (t40 + t40);
+        const double t42 = a_3_on_0 * t30;
+        const double t43 = a_3_on_1 * t33;
+        const double t44 = length[2].v * length[2].t[k];
+        const double t45 = 0.5 * (t42 + t42) + 0.5 * (t43 + t43) - 0.5 * (t44 + t44);
+        const double t46 = h3 * t27 + a_2_on_1 * (t22 - t23) - (h4 * t24 + a_2_on_0 * (t25 + t26));
+        const double t47 = h5 * t33 + a_3_on_1 * (t28 - t29) - (h6 * t30 + a_3_on_0 * (t31 + t32));
+        const double t48 = a_3_on_1 * t24 + a_2_on_0 * t33 - (a_3_on_0 * t27 + a_2_on_1 * t30);
+        const double t49 = a_3_on_0 * t21 + a_1_on_1 * t30 - (a_3_on_1 * t20 + a_1_on_0 * t33);
+        const double t50 = a_2_on_1 * t20 + a_1_on_0 * t27 - (a_2_on_0 * t21 + a_1_on_1 * t24);
+        const double t51 = lambda_1_on * t37 + f_1_on * t48 + (lambda_2_on * t41 + f_2_on * t49) + (lambda_3_on * t45 + f_3_on * t50);
+        const double t52 = t51 - h7 * (lambda_2_on * t46 + g_2_on * t49 + (lambda_3_on * t47 + g_3_on * t50));
+        const double t53 = h8 * t52;
+        const double t54 = h7 * t46 + g_2_on * t53 - t41;
+        const double t55 = h7 * t47 + g_3_on * t53 - t45;
+        const double t56 = h11 * t48 + lambda_1_on * (h9 * t33 + a_3_on_1 * t54 - (h10 * t27 + a_2_on_1 * t55));
+        const double t57 = h12 * t49 + lambda_2_on * (h10 * t21 + a_1_on_1 * t55 + (f_1_on * t33 + a_3_on_1 * t37));
+        const double t58 = h13 * t50 + lambda_3_on * (h9 * t21 + a_1_on_1 * t54 + (f_1_on * t27 + a_2_on_1 * t37));
+        const double t59 = lambda_1_on * t48;
+        const double t60 = lambda_2_on * t49;
+        const double t61 = lambda_3_on * t50;
+        const double t62 = h14 * (h14 * (t59 + t59 + (t60 + t60) + (t61 + t61)));
+        const double t63 = h14 * (t56 + t57 - t58) - h15 * t62;
+        const double t64 = h16 * t48 + lambda_1_on * (h10 * t24 + a_2_on_0 * t55 - (h9 * t30 + a_3_on_0 * t54));
+        const double t65 = h17 * t49 + lambda_2_on * (h10 * t20 + a_1_on_0 * t55 + (f_1_on * t30 + a_3_on_0 * t37));
+        const double t66 = h18 * t50 + lambda_3_on * (h9 * t20 + a_1_on_0 * t54 + (f_1_on * t24 + a_2_on_0 * t37));
+        const double t67 = h14 * (t64 - t65 + t66) - h19 * t62;
+        const double t68 = h7 * t53;
+        const double t69 = t68 + t68;
+        const double t70 = norm_on * (norm_on * (norm_on * (0.5 * t69)));
+        const double t71 = d_2_0 * t12;
+        const double t72 = d_2_1 * t13;
+        const double t73 = d_3_0 * t14;
+        const double t74 = d_3_1 * t15;
+        const double t75 = move_on_0 * t63;
+        const double t76 = move_on_1 * t67;
+        const double t77 = t75 + t75 + (t76 + t76) - h22 * (t71 + t71 + (t72 + t72) + (t73 + t73) + (t74 + t74));
+        state_next[0].t[k] = state[0].t[k] - t53;
+        state_next[1].t[k] = state[1].t[k] + t63;
+        state_next[2].t[k] = state[2].t[k] + t67;
+        state_next[3].t[k] = norm_on * (t18 + (h7 * t19 + sin * t53)) - h20 * t70;
+        state_next[4].t[k] = norm_on * (t19 - (h7 * t18 + cos * t53)) - h21 * t70;
+        change[0].t[k] = t69 + h23 * t77;
+    }
+}
+
+/* `newton_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
+ * to (3.9).  (116 add, 128 multiply, 4 divide, 4 arctangent) */
+static inline void krhpr_platform_planar_a_newton_pose_tangent(
+    const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *anchor, const krhpr_dual *points,
+    krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant)
+{
+    const double h1 = anchor[2].v - anchor[0].v;
+    const double h2 = anchor[3].v - anchor[1].v;
+    const double Rd_2_0 = state[3].v * h1 - state[4].v * h2;
+    const double Rd_2_1 = state[3].v * h2 + state[4].v * h1;
+    const double h3 = anchor[4].v - anchor[0].v;
+    const double h4 = anchor[5].v - anchor[1].v;
+    const double Rd_3_0 = state[3].v * h3 - state[4].v * h4;
+    const double Rd_3_1 = state[3].v * h4 + state[4].v * h3;
+    const double a_1_0 = state[1].v - points[0].v;
+    const double a_1_1 = state[2].v - points[1].v;
+    const double a_2_0 = state[1].v + Rd_2_0 - points[2].v;
+    const double a_2_1 = state[2].v + Rd_2_1 - points[3].v;
+    const double a_3_0 = state[1].v + Rd_3_0 - points[4].v;
+    const double a_3_1 = state[2].v + Rd_3_1 - points[5].v;
+    const double p_l_0 = state[1].v + state[4].v * anchor[1].v - state[3].v * anchor[0].v;
+    const double p_l_1 = state[2].v - state[4].v * anchor[0].v - state[3].v * anchor[1].v;
+    const double u_1_0 = state[3].v * a_1_0 + state[4].v * a_1_1;
+    const double u_1_1 = state[3].v * a_1_1 - state[4].v * a_1_0;
+    const double u_2_0 = state[3].v * a_2_0 + state[4].v * a_2_1;
+    const double u_2_1 = state[3].v * a_2_1 - state[4].v * a_2_0;
+    const double u_3_0 = state[3].v * a_3_0 + state[4].v * a_3_1;
+    const double u_3_1 = state[3].v * a_3_1 - state[4].v * a_3_0;
+    const double h6 = anchor[1].v * u_1_0 - anchor[0].v * u_1_1;
+    const double h5 = anchor[0].v * u_1_0 + anchor[1].v * u_1_1;
+    const double h9 = anchor[3].v * u_2_0 - anchor[2].v * u_2_1;
+    const double h8 = anchor[2].v * u_2_0 + anchor[3].v * u_2_1;
+    const double h12 = anchor[5].v * u_3_0 - anchor[4].v * u_3_1;
+    const double h11 = anchor[4].v * u_3_0 + anchor[5].v * u_3_1;
+    const double h7 = 1.0 / (h5 * h5 + h6 * h6);
+    const double h10 = 1.0 / (h8 * h8 + h9 * h9);
+    const double h13 = 1.0 / (h11 * h11 + h12 * h12);
+    const double h14 = 1.0 / (state[3].v * state[3].v + state[4].v * state[4].v);
+    p[0].v = s[0].v + p_l_0;
+    p[1].v = s[1].v + p_l_1;
+    phi[0].v = krhpr_atan2(state[4].v, state[3].v);
+    redundant[0].v = krhpr_atan2(h6, h5);
+    redundant[1].v = krhpr_atan2(h9, h8);
+    redundant[2].v = krhpr_atan2(h12, h11);
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = anchor[2].t[k] - anchor[0].t[k];
+        const double t2 = anchor[3].t[k] - anchor[1].t[k];
+        const double t3 = anchor[4].t[k] - anchor[0].t[k];
+        const double t4 = anchor[5].t[k] - anchor[1].t[k];
+        const double t5 = state[1].t[k] - points[0].t[k];
+        const double t6 = state[2].t[k] - points[1].t[k];
+        const double t7 = state[1].t[k] + (h1 * state[3].t[k] + state[3].v * t1 - (h2 * state[4].t[k] + state[4].v * t2));
+        const double t8 = t7 - points[2].t[k];
+        const double t9 = state[2].t[k] + (h2 * state[3].t[k] + state[3].v * t2 + (h1 * state[4].t[k] + state[4].v * t1));
+        const double t10 = t9 - points[3].t[k];
+        const double t11 = state[1].t[k] + (h3 * state[3].t[k] + state[3].v * t3 - (h4 * state[4].t[k] + state[4].v * t4));
+        const double t12 = t11 - points[4].t[k];
+        const double t13 = state[2].t[k] + (h4 * state[3].t[k] + state[3].v * t4 + (h3 * state[4].t[k] + state[4].v * t3));
+        const double t14 = t13 - points[5].t[k];
+        const double t15 = state[1].t[k] + (anchor[1].v * state[4].t[k] + state[4].v * anchor[1].t[k]) - (anchor[0].v * state[3].t[k] + state[3].v * anchor[0].t[k]);
+        const double t16 = state[2].t[k] - (anchor[0].v * state[4].t[k] + state[4].v * anchor[0].t[k]) - (anchor[1].v * state[3].t[k] + state[3].v * anchor[1].t[k]);
+        const double t17 = a_1_0 * state[3].t[k] + state[3].v * t5 + (a_1_1 * state[4].t[k] + state[4].v * t6);
+        const double t18 = a_1_1 * state[3].t[k] + state[3].v * t6 - (a_1_0 * state[4].t[k] + state[4].v * t5);
+        const double t19 = a_2_0 * state[3].t[k] + state[3].v * t8 + (a_2_1 * state[4].t[k] + state[4].v * t10);
+        const double t20 = a_2_1 * state[3].t[k] + state[3].v * t10 - (a_2_0 * state[4].t[k] + state[4].v * t8);
+        const double t21 = a_3_0 * state[3].t[k] + state[3].v * t12 + (a_3_1 * state[4].t[k] + state[4].v * t14);
+        const double t22 = a_3_1 * state[3].t[k] + state[3].v * t14 - (a_3_0 * state[4].t[k] + state[4].v * t12);
+        const double t23 = u_1_0 * anchor[1].t[k] + anchor[1].v * t17 - (u_1_1 * anchor[0].t[k] + anchor[0].v * t18);
+        const double t24 = u_1_0 * anchor[0].t[k] + anchor[0].v * t17 + (u_1_1 * anchor[1].t[k] + anchor[1].v * t18);
+        const double t25 = u_2_0 * anchor[3].t[k] + anchor[3].v * t19 - (u_2_1 * anchor[2].t[k] + anchor[2].v * t20);
+        const double t26 = u_2_0 * anchor[2].t[k] + anchor[2].v * t19 + (u_2_1 * anchor[3].t[k] + anchor[3].v * t20);
+        const double t27 = u_3_0 * anchor[5].t[k] + anchor[5].v * t21 - (u_3_1 * anchor[4].t[k] + anchor[4].v * t22);
+        const double t28 = u_3_0 * anchor[4].t[k] + anchor[4].v * t21 + (u_3_1 * anchor[5].t[k] + anchor[5].v * t22);
+        p[0].t[k] = s[0].t[k] + t15;
+        p[1].t[k] = s[1].t[k] + t16;
+        phi[0].t[k] = h14 * (state[3].v * state[4].t[k] - state[4].v * state[3].t[k]);
+        redundant[0].t[k] = h7 * (h5 * t23 - h6 * t24);
+        redundant[1].t[k] = h10 * (h8 * t25 - h9 * t26);
+        redundant[2].t[k] = h13 * (h11 * t27 - h12 * t28);
+    }
+}
+
+/* `arm` with the derivatives of its outputs along directions of its inputs.  (no operations) */
+static inline void krhpr_platform_planar_a_arm_tangent(
+    const krhpr_platform_planar_a_geometry *g, krhpr_dual *KRHPR_RESTRICT arm)
+{
+    arm[0].v = g->k[2];
+    arm[1].v = g->k[3];
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        arm[0].t[k] = 0.0;
+        arm[1].t[k] = 0.0;
+    }
+}
+
+/* `turns_1` with the derivatives of its outputs along directions of its inputs.  (2 multiply, 1 sine
+ * cosine) */
+static inline void krhpr_platform_planar_a_turns_1_tangent(
+    const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
+{
+    double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
+    turns[0].v = turns_00;
+    turns[1].v = turns_01;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        turns[0].t[k] = -turns_01 * measured[0].t[k];
+        turns[1].t[k] = turns_00 * measured[0].t[k];
+    }
+}
+
+/* `turns_2` with the derivatives of its outputs along directions of its inputs.  (4 multiply, 2 sine
+ * cosine) */
+static inline void krhpr_platform_planar_a_turns_2_tangent(
+    const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
+{
+    double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
+    double turns_11, turns_10; krhpr_sincos(measured[1].v, &turns_11, &turns_10);
+    turns[0].v = turns_00;
+    turns[1].v = turns_01;
+    turns[2].v = turns_10;
+    turns[3].v = turns_11;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        turns[0].t[k] = -turns_01 * measured[0].t[k];
+        turns[1].t[k] = turns_00 * measured[0].t[k];
+        turns[2].t[k] = -turns_11 * measured[1].t[k];
+        turns[3].t[k] = turns_10 * measured[1].t[k];
+    }
+}
+
+/* `turns_3` with the derivatives of its outputs along directions of its inputs.  (6 multiply, 3 sine
+ * cosine) */
+static inline void krhpr_platform_planar_a_turns_3_tangent(
+    const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
+{
+    double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
+    double turns_11, turns_10; krhpr_sincos(measured[1].v, &turns_11, &turns_10);
+    double turns_21, turns_20; krhpr_sincos(measured[2].v, &turns_21, &turns_20);
+    turns[0].v = turns_00;
+    turns[1].v = turns_01;
+    turns[2].v = turns_10;
+    turns[3].v = turns_11;
+    turns[4].v = turns_20;
+    turns[5].v = turns_21;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        turns[0].t[k] = -turns_01 * measured[0].t[k];
+        turns[1].t[k] = turns_00 * measured[0].t[k];
+        turns[2].t[k] = -turns_11 * measured[1].t[k];
+        turns[3].t[k] = turns_10 * measured[1].t[k];
+        turns[4].t[k] = -turns_21 * measured[2].t[k];
+        turns[5].t[k] = turns_20 * measured[2].t[k];
+    }
+}
+
+/* `one_encoder` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.3.  (48
+ * add, 55 multiply, 1 divide) */
+static inline void krhpr_platform_planar_a_one_encoder_tangent(
+    const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
+    const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT radicand)
+{
+    (void)(tolerance);
+    const double e_1_0 = anchor[0].v - turns[0].v * arm[0].v - turns[1].v * arm[1].v;
+    const double e_1_1 = anchor[1].v + turns[1].v * arm[0].v - turns[0].v * arm[1].v;
+    const double s_12_0 = s[2].v - s[0].v;
+    const double s_12_1 = s[3].v - s[1].v;
+    const double w_2_0 = anchor[2].v - e_1_0;
+    const double w_2_1 = anchor[3].v - e_1_1;
+    const double M = s_12_0 * w_2_0 + s_12_1 * w_2_1;
+    const double L = s_12_1 * w_2_0 - s_12_0 * w_2_1;
+    const double t1 = 0.5 * (s_12_0 * s_12_0) + 0.5 * (s_12_1 * s_12_1) + 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1);
+    const double N = t1 - 0.5 * (length[1].v * length[1].v);
+    const double ML_2 = L * L + M * M;
+    const double h2 = N * N;
+    const double h1 = 1.0 / ML_2;
+    radicand[0].v = 1.0 - h2 * h1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t2 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
+        const double t3 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
+        const double t4 = s[2].t[k] - s[0].t[k];
+        const double t5 = s[3].t[k] - s[1].t[k];
+        const double t6 = anchor[2].t[k] - t2;
+        const double t7 = anchor[3].t[k] - t3;
+        const double t8 = s_12_0 * t4;
+        const double t9 = s_12_1 * t5;
+        const double t10 = w_2_0 * t6;
+        const double t11 = w_2_1 * t7;
+        const double t12 = length[1].v * length[1].t[k];
+        const double t13 = 0.5 * (t8 + t8) + 0.5 * (t9 + t9) + 0.5 * (t10 + t10) + 0.5 * (t11 + t11) - 0.5 * (t12 + t12);
+        const double t14 = L * (w_2_0 * t5 + s_12_1 * t6 - (w_2_1 * t4 + s_12_0 * t7));
+        const double t15 = M * (w_2_0 * t4 + s_12_0 * t6 + (w_2_1 * t5 + s_12_1 * t7));
+        const double t16 = N * t13;
+        radicand[0].t[k] = h2 * (h1 * (h1 * (t14 + t14 + (t15 + t15)))) - h1 * (t16 + t16);
+    }
+}
+
+/* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
+ * (3.24).  (59 add, 60 multiply, 1 divide) */
+static inline void krhpr_platform_planar_a_two_encoders_tangent(
+    const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
+    const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear)
+{
+    (void)(length);
+    (void)(tolerance);
+    const double e_1_0 = anchor[0].v - turns[0].v * arm[0].v - turns[1].v * arm[1].v;
+    const double e_1_1 = anchor[1].v + turns[1].v * arm[0].v - turns[0].v * arm[1].v;
+    const double e_2_0 = anchor[2].v - turns[2].v * arm[2].v - turns[3].v * arm[3].v;
+    const double e_2_1 = anchor[3].v + turns[3].v * arm[2].v - turns[2].v * arm[3].v;
+    const double s_12_0 = s[2].v - s[0].v;
+    const double s_12_1 = s[3].v - s[1].v;
+    const double s_13_0 = s[4].v - s[0].v;
+    const double s_13_1 = s[5].v - s[1].v;
+    const double d_12_0 = e_2_0 - e_1_0;
+    const double d_12_1 = e_2_1 - e_1_1;
+    const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double h2 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
+    const double h1 = 1.0 / d_12_2;
+    const double cos = h2 * h1;
+    const double h3 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
+    const double sin = h1 * h3;
+    points[0].v = 0.0;
+    points[1].v = 0.0;
+    points[2].v = s_12_0;
+    points[3].v = s_12_1;
+    points[4].v = s_13_0;
+    points[5].v = s_13_1;
+    ends[0].v = e_1_0;
+    ends[1].v = e_1_1;
+    ends[2].v = e_2_0;
+    ends[3].v = e_2_1;
+    linear[0].v = cos;
+    linear[1].v = sin;
+    linear[2].v = -sin;
+    linear[3].v = cos;
+    linear[4].v = e_1_1 * sin - e_1_0 * cos;
+    linear[5].v = -(e_1_1 * cos + e_1_0 * sin);
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
+        const double t2 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
+        const double t3 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
+        const double t4 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
+        const double t5 = s[2].t[k] - s[0].t[k];
+        const double t6 = s[3].t[k] - s[1].t[k];
+        const double t7 = t3 - t1;
+        const double t8 = t4 - t2;
+        const double t9 = d_12_0 * t7;
+        const double t10 = d_12_1 * t8;
+        const double t11 = h1 * (h1 * (t9 + t9 + (t10 + t10)));
+        const double t12 = h1 * (d_12_0 * t5 + s_12_0 * t7 + (d_12_1 * t6 + s_12_1 * t8)) - h2 * t11;
+        const double t13 = h3 * t11;
+        const double t14 = h1 * (d_12_0 * t6 + s_12_1 * t7 - (d_12_1 * t5 + s_12_0 * t8));
+        const double t15 = t14 - t13;
+        points[0].t[k] = 0.0;
+        points[1].t[k] = 0.0;
+        points[2].t[k] = t5;
+        points[3].t[k] = t6;
+        points[4].t[k] = s[4].t[k] - s[0].t[k];
+        points[5].t[k] = s[5].t[k] - s[1].t[k];
+        ends[0].t[k] = t1;
+        ends[1].t[k] = t2;
+        ends[2].t[k] = t3;
+        ends[3].t[k] = t4;
+        linear[0].t[k] = t12;
+        linear[1].t[k] = t15;
+        linear[2].t[k] = t13 - t14;
+        linear[3].t[k] = t12;
+        linear[4].t[k] = sin * t2 + e_1_1 * t15 - (cos * t1 + e_1_0 * t12);
+        linear[5].t[k] = -(cos * t2 + e_1_1 * t12 + (sin * t1 + e_1_0 * t15));
+    }
+}
+
+/* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
+ * (3.30).  (84 add, 92 multiply, 1 divide) */
+static inline void krhpr_platform_planar_a_three_encoders_tangent(
+    const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
+    const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear)
+{
+    (void)(length);
+    (void)(tolerance);
+    const double e_1_0 = anchor[0].v - turns[0].v * arm[0].v - turns[1].v * arm[1].v;
+    const double e_1_1 = anchor[1].v + turns[1].v * arm[0].v - turns[0].v * arm[1].v;
+    const double e_2_0 = anchor[2].v - turns[2].v * arm[2].v - turns[3].v * arm[3].v;
+    const double e_2_1 = anchor[3].v + turns[3].v * arm[2].v - turns[2].v * arm[3].v;
+    const double e_3_0 = anchor[4].v - turns[4].v * arm[4].v - turns[5].v * arm[5].v;
+    const double e_3_1 = anchor[5].v + turns[5].v * arm[4].v - turns[4].v * arm[5].v;
+    const double s_12_0 = s[2].v - s[0].v;
+    const double s_12_1 = s[3].v - s[1].v;
+    const double s_13_0 = s[4].v - s[0].v;
+    const double s_13_1 = s[5].v - s[1].v;
+    const double d_12_0 = e_2_0 - e_1_0;
+    const double d_12_1 = e_2_1 - e_1_1;
+    const double d_13_0 = e_3_0 - e_1_0;
+    const double d_13_1 = e_3_1 - e_1_1;
+    const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double h2 = s_12_0 * d_13_1 - s_13_0 * d_12_1;
+    const double h1 = 1.0 / area;
+    const double u_x_0 = h2 * h1;
+    const double h3 = s_12_1 * d_13_1 - s_13_1 * d_12_1;
+    const double u_x_1 = h1 * h3;
+    const double h4 = s_13_0 * d_12_0 - s_12_0 * d_13_0;
+    const double u_y_0 = h1 * h4;
+    const double h5 = s_13_1 * d_12_0 - s_12_1 * d_13_0;
+    const double u_y_1 = h1 * h5;
+    points[0].v = 0.0;
+    points[1].v = 0.0;
+    points[2].v = s_12_0;
+    points[3].v = s_12_1;
+    points[4].v = s_13_0;
+    points[5].v = s_13_1;
+    ends[0].v = e_1_0;
+    ends[1].v = e_1_1;
+    ends[2].v = e_2_0;
+    ends[3].v = e_2_1;
+    ends[4].v = e_3_0;
+    ends[5].v = e_3_1;
+    linear[0].v = u_x_0;
+    linear[1].v = u_x_1;
+    linear[2].v = u_y_0;
+    linear[3].v = u_y_1;
+    linear[4].v = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
+    linear[5].v = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
+        const double t2 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
+        const double t3 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
+        const double t4 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
+        const double t5 = anchor[4].t[k] - (arm[4].v * turns[4].t[k] + turns[4].v * arm[4].t[k]) - (arm[5].v * turns[5].t[k] + turns[5].v * arm[5].t[k]);
+        const double t6 = anchor[5].t[k] + (arm[4].v * turns[5].t[k] + turns[5].v * arm[4].t[k]) - (arm[5].v * turns[4].t[k] + turns[4].v * arm[5].t[k]);
+        const double t7 = s[2].t[k] - s[0].t[k];
+        const double t8 = s[3].t[k] - s[1].t[k];
+        const double t9 = s[4].t[k] - s[0].t[k];
+        const double t10 = s[5].t[k] - s[1].t[k];
+        const double t11 = t3 - t1;
+        const double t12 = t4 - t2;
+        const double t13 = t5 - t1;
+        const double t14 = t6 - t2;
+        const double t15 = h1 * (h1 * (d_13_1 * t11 + d_12_0 * t14 - (d_13_0 * t12 + d_12_1 * t13)));
+        const double t16 = h1 * (d_13_1 * t7 + s_12_0 * t14 - (d_12_1 * t9 + s_13_0 * t12)) - h2 * t15;
+        const double t17 = h1 * (d_13_1 * t8 + s_12_1 * t14 - (d_12_1 * t10 + s_13_1 * t12)) - h3 * t15;
+        const double t18 = h1 * (d_12_0 * t9 + s_13_0 * t11 - (d_13_0 * t7 + s_12_0 * t13)) - h4 * t15;
+        const double t19 = h1 * (d_12_0 * t10 + s_13_1 * t11 - (d_13_0 * t8 + s_12_1 * t13)) - h5 * t15;
+        points[0].t[k] = 0.0;
+        points[1].t[k] = 0.0;
+        points[2].t[k] = t7;
+        points[3].t[k] = t8;
+        points[4].t[k] = t9;
+        points[5].t[k] = t10;
+        ends[0].t[k] = t1;
+        ends[1].t[k] = t2;
+        ends[2].t[k] = t3;
+        ends[3].t[k] = t4;
+        ends[4].t[k] = t5;
+        ends[5].t[k] = t6;
+        linear[0].t[k] = t16;
+        linear[1].t[k] = t17;
+        linear[2].t[k] = t18;
+        linear[3].t[k] = t19;
+        linear[4].t[k] = -(u_x_0 * t1 + e_1_0 * t16 + (u_y_0 * t2 + e_1_1 * t18));
+        linear[5].t[k] = -(u_x_1 * t1 + e_1_0 * t17 + (u_y_1 * t2 + e_1_1 * t19));
+    }
+}
+
+/* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
+ * (3.32), (3.33).  (572 add, 751 multiply, 10 divide) */
+static inline void krhpr_platform_planar_a_gauss_newton_2_tangent(
+    const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
+    const krhpr_dual *anchor, const krhpr_dual *length, krhpr_dual *KRHPR_RESTRICT state_next,
+    krhpr_dual *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4].v + state[0].v * ends[0].v + state[2].v * ends[1].v - points[0].v;
+    const double f_1_1 = state[5].v + state[1].v * ends[0].v + state[3].v * ends[1].v - points[1].v;
+    const double f_2_0 = state[4].v + state[0].v * ends[2].v + state[2].v * ends[3].v - points[2].v;
+    const double f_2_1 = state[5].v + state[1].v * ends[2].v + state[3].v * ends[3].v - points[3].v;
+    const double a_3_0 = state[4].v + state[0].v * anchor[4].v + state[2].v * anchor[5].v - points[4].v;
+    const double a_3_1 = state[5].v + state[1].v * anchor[4].v + state[3].v * anchor[5].v - points[5].v;
+    const double J_00 = weights[0].v * ends[0].v;
+    const double J_02 = weights[0].v * ends[1].v;
+    const double J_20 = weights[0].v * ends[2].v;
+    const double J_22 = weights[0].v * ends[3].v;
+    const double h1 = anchor[4].v * a_3_0;
+    const double h3 = weights[1].v * h1;
+    const double h2 = 1.0 / length[2].v;
+    const double J_40 = h3 * h2;
+    const double h4 = anchor[4].v * a_3_1;
+    const double h5 = weights[1].v * h4;
+    const double J_41 = h2 * h5;
+    const double h6 = anchor[5].v * a_3_0;
+    const double h7 = weights[1].v * h6;
+    const double J_42 = h2 * h7;
+    const double h8 = anchor[5].v * a_3_1;
+    const double h9 = weights[1].v * h8;
+    const double J_43 = h2 * h9;
+    const double h10 = weights[1].v * a_3_0;
+    const double J_44 = h2 * h10;
+    const double h11 = weights[1].v * a_3_1;
+    const double J_45 = h2 * h11;
+    const double h12 = state[0].v * 2.0;
+    const double J_50 = weights[2].v * h12;
+    const double h13 = state[1].v * 2.0;
+    const double J_51 = weights[2].v * h13;
+    const double h14 = state[2].v * 2.0;
+    const double J_62 = weights[2].v * h14;
+    const double h15 = state[3].v * 2.0;
+    const double J_63 = weights[2].v * h15;
+    const double J_70 = state[2].v * weights[2].v;
+    const double J_71 = state[3].v * weights[2].v;
+    const double J_72 = state[0].v * weights[2].v;
+    const double J_73 = state[1].v * weights[2].v;
+    const double r_0 = weights[0].v * f_1_0;
+    const double r_1 = weights[0].v * f_1_1;
+    const double r_2 = weights[0].v * f_2_0;
+    const double r_3 = weights[0].v * f_2_1;
+    const double h17 = weights[1].v * 0.5;
+    const double h16 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - length[2].v * length[2].v;
+    const double h18 = h17 * h16;
+    const double r_4 = h2 * h18;
+    const double h19 = state[0].v * state[0].v + state[1].v * state[1].v - 1.0;
+    const double r_5 = weights[2].v * h19;
+    const double h20 = state[2].v * state[2].v + state[3].v * state[3].v - 1.0;
+    const double r_6 = weights[2].v * h20;
+    const double h21 = state[0].v * state[2].v + state[1].v * state[3].v;
+    const double r_7 = weights[2].v * h21;
+    const double t1 = J_00 * J_00 + J_20 * J_20;
+    const double N_00 = t1 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70;
+    const double N_10 = J_40 * J_41 + J_50 * J_51 + J_70 * J_71;
+    const double N_11 = t1 + J_41 * J_41 + J_51 * J_51 + J_71 * J_71;
+    const double t2 = J_00 * J_02 + J_20 * J_22;
+    const double N_20 = t2 + J_40 * J_42 + J_70 * J_72;
+    const double N_21 = J_41 * J_42 + J_71 * J_72;
+    const double t3 = J_02 * J_02 + J_22 * J_22;
+    const double N_22 = t3 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72;
+    const double N_30 = J_40 * J_43 + J_70 * J_73;
+    const double N_31 = t2 + J_41 * J_43 + J_71 * J_73;
+    const double N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73;
+    const double N_33 = t3 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73;
+    const double t4 = weights[0].v * J_00 + weights[0].v * J_20;
+    const double N_40 = t4 + J_40 * J_44;
+    const double N_41 = J_41 * J_44;
+    const double t5 = weights[0].v * J_02 + weights[0].v * J_22;
+    const double N_42 = t5 + J_42 * J_44;
+    const double N_43 = J_43 * J_44;
+    const double t6 = 2.0 * (weights[0].v * weights[0].v);
+    const double N_44 = J_44 * J_44 + t6;
+    const double N_50 = J_40 * J_45;
+    const double N_51 = t4 + J_41 * J_45;
+    const double N_52 = J_42 * J_45;
+    const double N_53 = t5 + J_43 * J_45;
+    const double N_54 = J_44 * J_45;
+    const double N_55 = t6 + J_45 * J_45;
+    const double h63 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double L_50 = N_50 * E_0;
+    const double h22 = L_10 * L_10;
+    const double D_1 = N_11 - N_00 * h22;
+    const double E_1 = 1.0 / D_1;
+    const double h23 = L_10 * L_20;
+    const double h24 = N_21 - N_00 * h23;
+    const double L_21 = E_1 * h24;
+    const double h25 = L_10 * L_30;
+    const double h26 = N_31 - N_00 * h25;
+    const double L_31 = E_1 * h26;
+    const double h27 = L_10 * L_40;
+    const double h28 = N_41 - N_00 * h27;
+    const double L_41 = E_1 * h28;
+    const double h29 = L_10 * L_50;
+    const double h30 = N_51 - N_00 * h29;
+    const double L_51 = E_1 * h30;
+    const double h31 = L_21 * L_21;
+    const double h32 = L_20 * L_20;
+    const double D_2 = N_22 - D_1 * h31 - N_00 * h32;
+    const double E_2 = 1.0 / D_2;
+    const double h33 = D_1 * L_21;
+    const double h34 = L_20 * L_30;
+    const double h35 = N_32 - L_31 * h33 - N_00 * h34;
+    const double L_32 = E_2 * h35;
+    const double h36 = L_20 * L_40;
+    const double h37 = N_42 - L_41 * h33 - N_00 * h36;
+    const double L_42 = E_2 * h37;
+    const double h38 = L_20 * L_50;
+    const double h39 = N_52 - L_51 * h33 - N_00 * h38;
+    const double L_52 = E_2 * h39;
+    const double h40 = L_31 * L_31;
+    const double h41 = L_32 * L_32;
+    const double h42 = L_30 * L_30;
+    const double D_3 = N_33 - D_1 * h40 - D_2 * h41 - N_00 * h42;
+    const double E_3 = 1.0 / D_3;
+    const double h43 = D_1 * L_31;
+    const double h44 = D_2 * L_32;
+    const double h45 = L_30 * L_40;
+    const double h46 = N_43 - L_41 * h43 - L_42 * h44 - N_00 * h45;
+    const double L_43 = E_3 * h46;
+    const double h47 = L_30 * L_50;
+    const double h48 = N_53 - L_51 * h43 - L_52 * h44 - N_00 * h47;
+    const double L_53 = E_3 * h48;
+    const double h49 = L_41 * L_41;
+    const double h50 = L_42 * L_42;
+    const double h51 = L_43 * L_43;
+    const double h52 = L_40 * L_40;
+    const double D_4 = N_44 - D_1 * h49 - D_2 * h50 - D_3 * h51 - N_00 * h52;
+    const double E_4 = 1.0 / D_4;
+    const double h53 = D_1 * L_41;
+    const double h54 = D_2 * L_42;
+    const double h55 = D_3 * L_43;
+    const double h56 = L_40 * L_50;
+    const double h57 = N_54 - L_51 * h53 - L_52 * h54 - L_53 * h55 - N_00 * h56;
+    const double L_54 = E_4 * h57;
+    const double h58 = L_51 * L_51;
+    const double h59 = L_52 * L_52;
+    const double h60 = L_53 * L_53;
+    const double h61 = L_54 * L_54;
+    const double h62 = L_50 * L_50;
+    const double D_5 = N_55 - D_1 * h58 - D_2 * h59 - D_3 * h60 - D_4 * h61 - N_00 * h62;
+    const double y_1 = h63 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_41 * r_4 + J_51 * r_5 + J_71 * r_7);
+    const double y_2 = h63 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1;
+    const double t7 = h63 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1;
+    const double y_3 = t7 - L_32 * y_2;
+    const double t8 = h63 * L_40 - (J_44 * r_4 + weights[0].v * r_0 + weights[0].v * r_2) - L_41 * y_1;
+    const double y_4 = t8 - L_42 * y_2 - L_43 * y_3;
+    const double t9 = h63 * L_50 - (J_45 * r_4 + weights[0].v * r_1 + weights[0].v * r_3) - L_51 * y_1;
+    const double y_5 = t9 - L_52 * y_2 - L_53 * y_3 - L_54 * y_4;
+    const double x_5 = y_5 / D_5;
+    const double x_4 = E_4 * y_4 - L_54 * x_5;
+    const double x_3 = E_3 * y_3 - L_43 * x_4 - L_53 * x_5;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 - L_52 * x_5;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 - L_41 * x_4 - L_51 * x_5;
+    const double h65 = h63 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + L_50 * x_5;
+    const double size = ends[0].v * ends[0].v + ends[1].v * ends[1].v + ends[2].v * ends[2].v + ends[3].v * ends[3].v;
+    const double h66 = (x_4 * x_4 + x_5 * x_5) / size;
+    const double h64 = 1.0 / D_5;
+    const double h67 = 1.0 / size;
+    state_next[0].v = state[0].v - h65;
+    state_next[1].v = state[1].v + x_1;
+    state_next[2].v = state[2].v + x_2;
+    state_next[3].v = state[3].v + x_3;
+    state_next[4].v = state[4].v + x_4;
+    state_next[5].v = state[5].v + x_5;
+    change[0].v = h65 * h65 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + h66;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t10 = state[4].t[k] + (ends[0].v * state[0].t[k] + state[0].v * ends[0].t[k]) + (ends[1].v * state[2].t[k] + state[2].v * ends[1].t[k]);
+        const double t11 = state[5].t[k] + (ends[0].v * state[1].t[k] + state[1].v * ends[0].t[k]) + (ends[1].v * state[3].t[k] + state[3].v * ends[1].t[k]);
+        const double t12 = state[4].t[k] + (ends[2].v * state[0].t[k] + state[0].v * ends[2].t[k]) + (ends[3].v * state[2].t[k] + state[2].v * ends[3].t[k]);
+        const double t13 = state[5].t[k] + (ends[2].v * state[1].t[k] + state[1].v * ends[2].t[k]) + (ends[3].v * state[3].t[k] + state[3].v * ends[3].t[k]);
+        const double t14 = state[4].t[k] + (anchor[4].v * state[0].t[k] + state[0].v * anchor[4].t[k]) + (anchor[5].v * state[2].t[k] + state[2].v * anchor[5].t[k]);
+        const double t15 = t14 - points[4].t[k];
+        const double t16 = state[5].t[k] + (anchor[4].v * state[1].t[k] + state[1].v * anchor[4].t[k]) + (anchor[5].v * state[3].t[k] + state[3].v * anchor[5].t[k]);
+        const double t17 = t16 - points[5].t[k];
+        const double t18 = ends[0].v * weights[0].t[k] + weights[0].v * ends[0].t[k];
+        const double t19 = ends[1].v * weights[0].t[k] + weights[0].v * ends[1].t[k];
+        const double t20 = ends[2].v * weights[0].t[k] + weights[0].v * ends[2].t[k];
+        const double t21 = ends[3].v * weights[0].t[k] + weights[0].v * ends[3].t[k];
+        const double t22 = h1 * weights[1].t[k] + weights[1].v * (a_3_0 * anchor[4].t[k] + anchor[4].v * t15);
+        const double t23 = h2 * (h2 * length[2].t[k]);
+        const double t24 = h2 * t22 - h3 * t23;
+        const double t25 = h4 * weights[1].t[k] + weights[1].v * (a_3_1 * anchor[4].t[k] + anchor[4].v * t17);
+        const double t26 = h2 * t25 - h5 * t23;
+        const double t27 = h6 * weights[1].t[k] + weights[1].v * (a_3_0 * anchor[5].t[k] + anchor[5].v * t15);
+        const double t28 = h2 * t27 - h7 * t23;
+        const double t29 = h8 * weights[1].t[k] + weights[1].v * (a_3_1 * anchor[5].t[k] + anchor[5].v * t17);
+        const double t30 = h2 * t29 - h9 * t23;
+        const double t31 = h2 * (a_3_0 * weights[1].t[k] + weights[1].v * t15) - h10 * t23;
+        const double t32 = h2 * (a_3_1 * weights[1].t[k] + weights[1].v * t17) - h11 * t23;
+        const double t33 = h12 * weights[2].t[k] + weights[2].v * (2.0 * state[0].t[k]);
+        const double t34 = h13 * weights[2].t[k] + weights[2].v * (2.0 * state[1].t[k]);
+        const double t35 = h14 * weights[2].t[k] + weights[2].v * (2.0 * state[2].t[k]);
+        const double t36 = h15 * weights[2].t[k] + weights[2].v * (2.0 * state[3].t[k]);
+        const double t37 = weights[2].v * state[2].t[k] + state[2].v * weights[2].t[k];
+        const double t38 = weights[2].v * state[3].t[k] + state[3].v * weights[2].t[k];
+        const double t39 = weights[2].v * state[0].t[k] + state[0].v * weights[2].t[k];
+        const double t40 = weights[2].v * state[1].t[k] + state[1].v * weights[2].t[k];
+        const double t41 = f_1_0 * weights[0].t[k] + weights[0].v * (t10 - points[0].t[k]);
+        const double t42 = f_1_1 * weights[0].t[k] + weights[0].v * (t11 - points[1].t[k]);
+        const double t43 = f_2_0 * weights[0].t[k] + weights[0].v * (t12 - points[2].t[k]);
+        const double t44 = f_2_1 * weights[0].t[k] + weights[0].v * (t13 - points[3].t[k]);
+        const double t45 = a_3_0 * t15;
+        const double t46 = a_3_1 * t17;
+        const double t47 = length[2].v * length[2].t[k];
+        const double t48 = h2 * (h16 * (0.5 * weights[1].t[k]) + h17 * (t45 + t45 + (t46 + t46) - (t47 + t47)));
+        const double t49 = t48 - h18 * t23;
+        const double t50 = state[0].v * state[0].t[k];
+        const double t51 = state[1].v * state[1].t[k];
+        const double t52 = h19 * weights[2].t[k] + weights[2].v * (t50 + t50 + (t51 + t51));
+        const double t53 = state[2].v * state[2].t[k];
+        const double t54 = state[3].v * state[3].t[k];
+        const double t55 = h20 * weights[2].t[k] + weights[2].v * (t53 + t53 + (t54 + t54));
+        const double t56 = state[2].v * state[0].t[k] + state[0].v * state[2].t[k] + (state[3].v * state[1].t[k] + state[1].v * state[3].t[k]);
+        const double t57 = h21 * weights[2].t[k] + weights[2].v * t56;
+        const double t58 = J_00 * t18;
+        const double t59 = J_20 * t20;
+        const double t60 = t58 + t58 + (t59 + t59);
+        const double t61 = J_40 * t24;
+        const double t62 = J_50 * t33;
+        const double t63 = J_70 * t37;
+        const double t64 = t60 + (t61 + t61) + (t62 + t62) + (t63 + t63);
+        const double t65 = J_41 * t24 + J_40 * t26 + (J_51 * t33 + J_50 * t34) + (J_71 * t37 + J_70 * t38);
+        const double t66 = J_41 * t26;
+        const double t67 = J_51 * t34;
+        const double t68 = J_71 * t38;
+        const double t69 = J_02 * t18 + J_00 * t19 + (J_22 * t20 + J_20 * t21);
+        const double t70 = J_02 * t19;
+        const double t71 = J_22 * t21;
+        const double t72 = t70 + t70 + (t71 + t71);
+        const double t73 = J_42 * t28;
+        const double t74 = J_62 * t35;
+        const double t75 = J_72 * t39;
+        const double t76 = J_43 * t28 + J_42 * t30 + (J_63 * t35 + J_62 * t36) + (J_73 * t39 + J_72 * t40);
+        const double t77 = J_43 * t30;
+        const double t78 = J_63 * t36;
+        const double t79 = J_73 * t40;
+        const double t80 = J_00 * weights[0].t[k] + weights[0].v * t18 + (J_20 * weights[0].t[k] + weights[0].v * t20);
+        const double t81 = J_02 * weights[0].t[k] + weights[0].v * t19 + (J_22 * weights[0].t[k] + weights[0].v * t21);
+        const double t82 = J_44 * t31;
+        const double t83 = weights[0].v * weights[0].t[k];
+        const double t84 = 2.0 * (t83 + t83);
+        const double t85 = J_45 * t32;
+        const double t86 = r_0 * t18 + J_00 * t41 + (r_2 * t20 + J_20 * t43) + (r_4 * t24 + J_40 * t49) + (r_5 * t33 + J_50 * t52);
+        const double t87 = t86 + (r_7 * t37 + J_70 * t57);
+        const double t88 = r_1 * t18 + J_00 * t42 + (r_3 * t20 + J_20 * t44) + (r_4 * t26 + J_41 * t49) + (r_5 * t34 + J_51 * t52);
+        const double t89 = r_0 * t19 + J_02 * t41 + (r_2 * t21 + J_22 * t43) + (r_4 * t28 + J_42 * t49) + (r_6 * t35 + J_62 * t55);
+        const double t90 = r_1 * t19 + J_02 * t42 + (r_3 * t21 + J_22 * t44) + (r_4 * t30 + J_43 * t49) + (r_6 * t36 + J_63 * t55);
+        const double t91 = r_4 * t31 + J_44 * t49 + (r_0 * weights[0].t[k] + weights[0].v * t41) + (r_2 * weights[0].t[k] + weights[0].v * t43);
+        const double t92 = r_4 * t32 + J_45 * t49 + (r_1 * weights[0].t[k] + weights[0].v * t42) + (r_3 * weights[0].t[k] + weights[0].v * t44);
+        const double t93 = E_0 * (E_0 * t64);
+        const double t94 = E_0 * t65 - N_10 * t93;
+        const double t95 = E_0 * (t69 + (J_42 * t24 + J_40 * t28) + (J_72 * t37 + J_70 * t39)) - N_20 * t93;
+        const double t96 = E_0 * (J_43 * t24 + J_40 * t30 + (J_73 * t37 + J_70 * t40)) - N_30 * t93;
+        const double t97 = E_0 * (t80 + (J_44 * t24 + J_40 * t31)) - N_40 * t93;
+        const double t98 = E_0 * (J_45 * t24 + J_40 * t32) - N_50 * t93;
+        const double t99 = L_10 * t94;
+        const double t100 = t60 + (t66 + t66) + (t67 + t67) + (t68 + t68) - (h22 * t64 + N_00 * (t99 + t99));
+        const double t101 = E_1 * (E_1 * t100);
+        const double t102 = J_42 * t26 + J_41 * t28 + (J_72 * t38 + J_71 * t39) - (h23 * t64 + N_00 * (L_20 * t94 + L_10 * t95));
+        const double t103 = E_1 * t102 - h24 * t101;
+        const double t104 = t69 + (J_43 * t26 + J_41 * t30) + (J_73 * t38 + J_71 * t40) - (h25 * t64 + N_00 * (L_30 * t94 + L_10 * t96));
+        const double t105 = E_1 * t104 - h26 * t101;
+        const double t106 = E_1 * (J_44 * t26 + J_41 * t31 - (h27 * t64 + N_00 * (L_40 * t94 + L_10 * t97)));
+        const double t107 = t106 - h28 * t101;
+        const double t108 = t80 + (J_45 * t26 + J_41 * t32) - (h29 * t64 + N_00 * (L_50 * t94 + L_10 * t98));
+        const double t109 = E_1 * t108 - h30 * t101;
+        const double t110 = L_21 * t103;
+        const double t111 = t72 + (t73 + t73) + (t74 + t74) + (t75 + t75) - (h31 * t100 + D_1 * (t110 + t110));
+        const double t112 = L_20 * t95;
+        const double t113 = t111 - (h32 * t64 + N_00 * (t112 + t112));
+        const double t114 = E_2 * (E_2 * t113);
+        const double t115 = L_21 * t100 + D_1 * t103;
+        const double t116 = t76 - (h33 * t105 + L_31 * t115) - (h34 * t64 + N_00 * (L_30 * t95 + L_20 * t96));
+        const double t117 = E_2 * t116 - h35 * t114;
+        const double t118 = t81 + (J_44 * t28 + J_42 * t31) - (h33 * t107 + L_41 * t115) - (h36 * t64 + N_00 * (L_40 * t95 + L_20 * t97));
+        const double t119 = E_2 * t118 - h37 * t114;
+        const double t120 = J_45 * t28 + J_42 * t32 - (h33 * t109 + L_51 * t115) - (h38 * t64 + N_00 * (L_50 * t95 + L_20 * t98));
+        const double t121 = E_2 * t120 - h39 * t114;
+        const double t122 = L_31 * t105;
+        const double t123 = t72 + (t77 + t77) + (t78 + t78) + (t79 + t79) - (h40 * t100 + D_1 * (t122 + t122));
+        const double t124 = L_32 * t117;
+        const double t125 = L_30 * t96;
+        const double t126 = t123 - (h41 * t113 + D_2 * (t124 + t124)) - (h42 * t64 + N_00 * (t125 + t125));
+        const double t127 = E_3 * (E_3 * t126);
+        const double t128 = L_31 * t100 + D_1 * t105;
+        const double t129 = L_32 * t113 + D_2 * t117;
+        const double t130 = J_44 * t30 + J_43 * t31 - (h43 * t107 + L_41 * t128) - (h44 * t119 + L_42 * t129);
+        const double t131 = E_3 * (t130 - (h45 * t64 + N_00 * (L_40 * t96 + L_30 * t97))) - h46 * t127;
+        const double t132 = t81 + (J_45 * t30 + J_43 * t32) - (h43 * t109 + L_51 * t128) - (h44 * t121 + L_52 * t129);
+        const double t133 = E_3 * (t132 - (h47 * t64 + N_00 * (L_50 * t96 + L_30 * t98))) - h48 * t127;
+        const double t134 = L_41 * t107;
+        const double t135 = L_42 * t119;
+        const double t136 = t82 + t82 + t84 - (h49 * t100 + D_1 * (t134 + t134)) - (h50 * t113 + D_2 * (t135 + t135));
+        const double t137 = L_43 * t131;
+        const double t138 = L_40 * t97;
+        const double t139 = t136 - (h51 * t126 + D_3 * (t137 + t137)) - (h52 * t64 + N_00 * (t138 + t138));
+        const double t140 = E_4 * (E_4 * t139);
+        const double t141 = J_45 * t31 + J_44 * t32 - (h53 * t109 + L_51 * (L_41 * t100 + D_1 * t107)) - (h54 * t121 + L_52 * (L_42 * t113 + D_2 * t119));
+        const double t142 = t141 - (h55 * t133 + L_53 * (L_43 * t126 + D_3 * t131)) - (h56 * t64 + N_00 * (L_50 * t97 + L_40 * t98));
+        const double t143 = E_4 * t142 - h57 * t140;
+        const double t144 = L_51 * t109;
+        const double t145 = L_52 * t121;
+        const double t146 = t84 + (t85 + t85) - (h58 * t100 + D_1 * (t144 + t144)) - (h59 * t113 + D_2 * (t145 + t145));
+        const double t147 = L_53 * t133;
+        const double t148 = L_54 * t143;
+        const double t149 = L_50 * t98;
+        const double t150 = t146 - (h60 * t126 + D_3 * (t147 + t147)) - (h61 * t139 + D_4 * (t148 + t148)) - (h62 * t64 + N_00 * (t149 + t149));
+        const double t151 = L_10 * t87 + h63 * t94 - (t88 + (r_7 * t38 + J_71 * t57));
+        const double t152 = L_20 * t87 + h63 * t95 - (t89 + (r_7 * t39 + J_72 * t57)) - (y_1 * t103 + L_21 * t151);
+        const double t153 = L_30 * t87 + h63 * t96 - (t90 + (r_7 * t40 + J_73 * t57)) - (y_1 * t105 + L_31 * t151);
+        const double t154 = t153 - (y_2 * t117 + L_32 * t152);
+        const double t155 = L_40 * t87 + h63 * t97 - t91 - (y_1 * t107 + L_41 * t151) - (y_2 * t119 + L_42 * t152);
+        const double t156 = t155 - (y_3 * t131 + L_43 * t154);
+        const double t157 = L_50 * t87 + h63 * t98 - t92 - (y_1 * t109 + L_51 * t151) - (y_2 * t121 + L_52 * t152);
+        const double t158 = h64 * (t157 - (y_3 * t133 + L_53 * t154) - (y_4 * t143 + L_54 * t156) - x_5 * t150);
+        const double t159 = E_4 * t156 - y_4 * t140 - (x_5 * t143 + L_54 * t158);
+        const double t160 = E_3 * t154 - y_3 * t127 - (x_4 * t131 + L_43 * t159) - (x_5 * t133 + L_53 * t158);
+        const double t161 = E_2 * t152 - y_2 * t114 - (x_3 * t117 + L_32 * t160) - (x_4 * t119 + L_42 * t159);
+        const double t162 = t161 - (x_5 * t121 + L_52 * t158);
+        const double t163 = E_1 * t151 - y_1 * t101 - (x_2 * t103 + L_21 * t162) - (x_3 * t105 + L_31 * t160);
+        const double t164 = t163 - (x_4 * t107 + L_41 * t159) - (x_5 * t109 + L_51 * t158);
+        const double t165 = E_0 * t87 - h63 * t93 + (x_1 * t94 + L_10 * t164) + (x_2 * t95 + L_20 * t162) + (x_3 * t96 + L_30 * t160);
+        const double t166 = t165 + (x_4 * t97 + L_40 * t159) + (x_5 * t98 + L_50 * t158);
+        const double t167 = ends[0].v * ends[0].t[k];
+        const double t168 = ends[1].v * ends[1].t[k];
+        const double t169 = ends[2].v * ends[2].t[k];
+        const double t170 = ends[3].v * ends[3].t[k];
+        const double t171 = h65 * t166;
+        const double t172 = x_1 * t164;
+        const double t173 = x_2 * t162;
+        const double t174 = x_3 * t160;
+        const double t175 = x_4 * t159;
+        const double t176 = x_5 * t158;
+        const double t177 = t175 + t175 + (t176 + t176) - h66 * (t167 + t167 + (t168 + t168) + (t169 + t169) + (t170 + t170));
+        state_next[0].t[k] = state[0].t[k] - t166;
+        state_next[1].t[k] = state[1].t[k] + t164;
+        state_next[2].t[k] = state[2].t[k] + t162;
+        state_next[3].t[k] = state[3].t[k] + t160;
+        state_next[4].t[k] = state[4].t[k] + t159;
+        state_next[5].t[k] = state[5].t[k] + t158;
+        change[0].t[k] = t171 + t171 + (t172 + t172) + (t173 + t173) + (t174 + t174) + h67 * t177;
+    }
+}
+
+/* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
+ * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
+static inline void krhpr_platform_planar_a_gauss_newton_3_tangent(
+    const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
+    krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4].v + state[0].v * ends[0].v + state[2].v * ends[1].v - points[0].v;
+    const double f_1_1 = state[5].v + state[1].v * ends[0].v + state[3].v * ends[1].v - points[1].v;
+    const double f_2_0 = state[4].v + state[0].v * ends[2].v + state[2].v * ends[3].v - points[2].v;
+    const double f_2_1 = state[5].v + state[1].v * ends[2].v + state[3].v * ends[3].v - points[3].v;
+    const double f_3_0 = state[4].v + state[0].v * ends[4].v + state[2].v * ends[5].v - points[4].v;
+    const double f_3_1 = state[5].v + state[1].v * ends[4].v + state[3].v * ends[5].v - points[5].v;
+    const double J_00 = weights[0].v * ends[0].v;
+    const double J_02 = weights[0].v * ends[1].v;
+    const double J_20 = weights[0].v * ends[2].v;
+    const double J_22 = weights[0].v * ends[3].v;
+    const double J_40 = weights[0].v * ends[4].v;
+    const double J_42 = weights[0].v * ends[5].v;
+    const double h1 = state[0].v * 2.0;
+    const double J_60 = weights[2].v * h1;
+    const double h2 = state[1].v * 2.0;
+    const double J_61 = weights[2].v * h2;
+    const double h3 = state[2].v * 2.0;
+    const double J_72 = weights[2].v * h3;
+    const double h4 = state[3].v * 2.0;
+    const double J_73 = weights[2].v * h4;
+    const double J_80 = state[2].v * weights[2].v;
+    const double J_81 = state[3].v * weights[2].v;
+    const double J_82 = state[0].v * weights[2].v;
+    const double J_83 = state[1].v * weights[2].v;
+    const double r_0 = weights[0].v * f_1_0;
+    const double r_1 = weights[0].v * f_1_1;
+    const double r_2 = weights[0].v * f_2_0;
+    const double r_3 = weights[0].v * f_2_1;
+    const double r_4 = weights[0].v * f_3_0;
+    const double r_5 = weights[0].v * f_3_1;
+    const double h5 = state[0].v * state[0].v + state[1].v * state[1].v - 1.0;
+    const double r_6 = weights[2].v * h5;
+    const double h6 = state[2].v * state[2].v + state[3].v * state[3].v - 1.0;
+    const double r_7 = weights[2].v * h6;
+    const double h7 = state[0].v * state[2].v + state[1].v * state[3].v;
+    const double r_8 = weights[2].v * h7;
+    const double t1 = J_00 * J_00 + J_20 * J_20 + J_40 * J_40;
+    const double N_00 = t1 + J_60 * J_60 + J_80 * J_80;
+    const double N_10 = J_60 * J_61 + J_80 * J_81;
+    const double N_11 = t1 + J_61 * J_61 + J_81 * J_81;
+    const double t2 = J_00 * J_02 + J_20 * J_22 + J_40 * J_42;
+    const double N_20 = t2 + J_80 * J_82;
+    const double N_21 = J_81 * J_82;
+    const double t3 = J_02 * J_02 + J_22 * J_22 + J_42 * J_42;
+    const double N_22 = t3 + J_72 * J_72 + J_82 * J_82;
+    const double N_30 = J_80 * J_83;
+    const double N_31 = t2 + J_81 * J_83;
+    const double N_32 = J_72 * J_73 + J_82 * J_83;
+    const double N_33 = t3 + J_73 * J_73 + J_83 * J_83;
+    const double N_40 = weights[0].v * J_00 + weights[0].v * J_20 + weights[0].v * J_40;
+    const double N_42 = weights[0].v * J_02 + weights[0].v * J_22 + weights[0].v * J_42;
+    const double N_44 = 3.0 * (weights[0].v * weights[0].v);
+    const double h47 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_60 * r_6 + J_80 * r_8;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double h8 = L_10 * L_10;
+    const double t4 = N_00 * h8;
+    const double D_1 = N_11 - t4;
+    const double E_1 = 1.0 / D_1;
+    const double h9 = L_10 * L_20;
+    const double h10 = N_21 - N_00 * h9;
+    const double L_21 = E_1 * h10;
+    const double h11 = L_10 * L_30;
+    const double h12 = N_31 - N_00 * h11;
+    const double L_31 = E_1 * h12;
+    const double h13 = L_10 * E_1;
+    const double h14 = L_40 * h13;
+    const double h20 = N_00 * h14;
+    const double L_51 = N_40 * E_1;
+    const double h15 = L_21 * L_21;
+    const double h16 = L_20 * L_20;
+    const double D_2 = N_22 - D_1 * h15 - N_00 * h16;
+    const double E_2 = 1.0 / D_2;
+    const double h17 = D_1 * L_21;
+    const double h18 = L_20 * L_30;
+    const double h19 = N_32 - L_31 * h17 - N_00 * h18;
+    const double L_32 = E_2 * h19;
+    const double h21 = L_20 * L_40;
+    const double h22 = N_42 + h20 * h17 - N_00 * h21;
+    const double L_42 = E_2 * h22;
+    const double h23 = t4 - N_11;
+    const double h24 = E_2 * h23;
+    const double h25 = L_21 * h24;
+    const double L_52 = L_51 * h25;
+    const double h26 = L_31 * L_31;
+    const double h27 = L_32 * L_32;
+    const double h28 = L_30 * L_30;
+    const double D_3 = N_33 - D_1 * h26 - D_2 * h27 - N_00 * h28;
+    const double E_3 = 1.0 / D_3;
+    const double h29 = D_1 * L_31;
+    const double h30 = D_2 * L_32;
+    const double h31 = L_30 * L_40;
+    const double h32 = L_42 * h30 - h20 * h29 + N_00 * h31;
+    const double h36 = E_3 * h32;
+    const double h33 = N_42 - L_51 * h29 - L_52 * h30;
+    const double L_53 = E_3 * h33;
+    const double h34 = h20 * h20;
+    const double h35 = L_42 * L_42;
+    const double h37 = h36 * h36;
+    const double h38 = L_40 * L_40;
+    const double D_4 = N_44 - D_1 * h34 - D_2 * h35 - D_3 * h37 - N_00 * h38;
+    const double E_4 = 1.0 / D_4;
+    const double h39 = D_1 * h20;
+    const double h40 = D_2 * L_42;
+    const double h41 = D_3 * h36;
+    const double h42 = L_53 * h41 - (L_52 * h40 - L_51 * h39);
+    const double L_54 = E_4 * h42;
+    const double h43 = L_51 * L_51;
+    const double h44 = L_52 * L_52;
+    const double h45 = L_53 * L_53;
+    const double h46 = L_54 * L_54;
+    const double D_5 = N_44 - D_1 * h43 - D_2 * h44 - D_3 * h45 - D_4 * h46;
+    const double y_1 = h47 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_40 * r_5 + J_61 * r_6 + J_81 * r_8);
+    const double y_2 = h47 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_72 * r_7 + J_82 * r_8) - L_21 * y_1;
+    const double t5 = h47 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_42 * r_5 + J_73 * r_7 + J_83 * r_8) - L_31 * y_1;
+    const double y_3 = t5 - L_32 * y_2;
+    const double t6 = h47 * L_40 - (weights[0].v * r_0 + weights[0].v * r_2 + weights[0].v * r_4) + h20 * y_1;
+    const double y_4 = t6 - L_42 * y_2 + h36 * y_3;
+    const double t7 = weights[0].v * r_1 + weights[0].v * r_3 + weights[0].v * r_5 + L_51 * y_1 + L_52 * y_2;
+    const double h48 = (t7 + L_53 * y_3 + L_54 * y_4) / D_5;
+    const double x_4 = E_4 * y_4 + L_54 * h48;
+    const double x_3 = E_3 * y_3 + h36 * x_4 + L_53 * h48;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * h48;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + h20 * x_4 + L_51 * h48;
+    const double h50 = h47 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4;
+    const double t8 = ends[0].v * ends[0].v + ends[1].v * ends[1].v + ends[2].v * ends[2].v + ends[3].v * ends[3].v;
+    const double size = t8 + ends[4].v * ends[4].v + ends[5].v * ends[5].v;
+    const double h51 = (x_4 * x_4 + h48 * h48) / size;
+    const double h49 = 1.0 / D_5;
+    const double h52 = 1.0 / size;
+    state_next[0].v = state[0].v - h50;
+    state_next[1].v = state[1].v + x_1;
+    state_next[2].v = state[2].v + x_2;
+    state_next[3].v = state[3].v + x_3;
+    state_next[4].v = state[4].v + x_4;
+    state_next[5].v = state[5].v - h48;
+    change[0].v = h50 * h50 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + h51;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t9 = state[4].t[k] + (ends[0].v * state[0].t[k] + state[0].v * ends[0].t[k]) + (ends[1].v * state[2].t[k] + state[2].v * ends[1].t[k]);
+        const double t10 = state[5].t[k] + (ends[0].v * state[1].t[k] + state[1].v * ends[0].t[k]) + (ends[1].v * state[3].t[k] + state[3].v * ends[1].t[k]);
+        const double t11 = state[4].t[k] + (ends[2].v * state[0].t[k] + state[0].v * ends[2].t[k]) + (ends[3].v * state[2].t[k] + state[2].v * ends[3].t[k]);
+        const double t12 = state[5].t[k] + (ends[2].v * state[1].t[k] + state[1].v * ends[2].t[k]) + (ends[3].v * state[3].t[k] + state[3].v * ends[3].t[k]);
+        const double t13 = state[4].t[k] + (ends[4].v * state[0].t[k] + state[0].v * ends[4].t[k]) + (ends[5].v * state[2].t[k] + state[2].v * ends[5].t[k]);
+        const double t14 = state[5].t[k] + (ends[4].v * state[1].t[k] + state[1].v * ends[4].t[k]) + (ends[5].v * state[3].t[k] + state[3].v * ends[5].t[k]);
+        const double t15 = ends[0].v * weights[0].t[k] + weights[0].v * ends[0].t[k];
+        const double t16 = ends[1].v * weights[0].t[k] + weights[0].v * ends[1].t[k];
+        const double t17 = ends[2].v * weights[0].t[k] + weights[0].v * ends[2].t[k];
+        const double t18 = ends[3].v * weights[0].t[k] + weights[0].v * ends[3].t[k];
+        const double t19 = ends[4].v * weights[0].t[k] + weights[0].v * ends[4].t[k];
+        const double t20 = ends[5].v * weights[0].t[k] + weights[0].v * ends[5].t[k];
+        const double t21 = h1 * weights[2].t[k] + weights[2].v * (2.0 * state[0].t[k]);
+        const double t22 = h2 * weights[2].t[k] + weights[2].v * (2.0 * state[1].t[k]);
+        const double t23 = h3 * weights[2].t[k] + weights[2].v * (2.0 * state[2].t[k]);
+        const double t24 = h4 * weights[2].t[k] + weights[2].v * (2.0 * state[3].t[k]);
+        const double t25 = weights[2].v * state[2].t[k] + state[2].v * weights[2].t[k];
+        const double t26 = weights[2].v * state[3].t[k] + state[3].v * weights[2].t[k];
+        const double t27 = weights[2].v * state[0].t[k] + state[0].v * weights[2].t[k];
+        const double t28 = weights[2].v * state[1].t[k] + state[1].v * weights[2].t[k];
+        const double t29 = f_1_0 * weights[0].t[k] + weights[0].v * (t9 - points[0].t[k]);
+        const double t30 = f_1_1 * weights[0].t[k] + weights[0].v * (t10 - points[1].t[k]);
+        const double t31 = f_2_0 * weights[0].t[k] + weights[0].v * (t11 - points[2].t[k]);
+        const double t32 = f_2_1 * weights[0].t[k] + weights[0].v * (t12 - points[3].t[k]);
+        const double t33 = f_3_0 * weights[0].t[k] + weights[0].v * (t13 - points[4].t[k]);
+        const double t34 = f_3_1 * weights[0].t[k] + weights[0].v * (t14 - points[5].t[k]);
+        const double t35 = state[0].v * state[0].t[k];
+        const double t36 = state[1].v * state[1].t[k];
+        const double t37 = h5 * weights[2].t[k] + weights[2].v * (t35 + t35 + (t36 + t36));
+        const double t38 = state[2].v * state[2].t[k];
+        const double t39 = state[3].v * state[3].t[k];
+        const double t40 = h6 * weights[2].t[k] + weights[2].v * (t38 + t38 + (t39 + t39));
+        const double t41 = state[2].v * state[0].t[k] + state[0].v * state[2].t[k] + (state[3].v * state[1].t[k] + state[1].v * state[3].t[k]);
+        const double t42 = h7 * weights[2].t[k] + weights[2].v * t41;
+        const double t43 = J_00 * t15;
+        const double t44 = J_20 * t17;
+        const double t45 = J_40 * t19;
+        const double t46 = t43 + t43 + (t44 + t44) + (t45 + t45);
+        const double t47 = J_60 * t21;
+        const double t48 = J_80 * t25;
+        const double t49 = t46 + (t47 + t47) + (t48 + t48);
+        const double t50 = J_61 * t22;
+        const double t51 = J_81 * t26;
+        const double t52 = t46 + (t50 + t50) + (t51 + t51);
+        const double t53 = J_02 * t15 + J_00 * t16 + (J_22 * t17 + J_20 * t18) + (J_42 * t19 + J_40 * t20);
+        const double t54 = J_02 * t16;
+        const double t55 = J_22 * t18;
+        const double t56 = J_42 * t20;
+        const double t57 = t54 + t54 + (t55 + t55) + (t56 + t56);
+        const double t58 = J_72 * t23;
+        const double t59 = J_82 * t27;
+        const double t60 = J_73 * t24;
+        const double t61 = J_83 * t28;
+        const double t62 = J_00 * weights[0].t[k] + weights[0].v * t15 + (J_20 * weights[0].t[k] + weights[0].v * t17);
+        const double t63 = t62 + (J_40 * weights[0].t[k] + weights[0].v * t19);
+        const double t64 = J_02 * weights[0].t[k] + weights[0].v * t16 + (J_22 * weights[0].t[k] + weights[0].v * t18);
+        const double t65 = t64 + (J_42 * weights[0].t[k] + weights[0].v * t20);
+        const double t66 = weights[0].v * weights[0].t[k];
+        const double t67 = 3.0 * (t66 + t66);
+        const double t68 = r_0 * t15 + J_00 * t29 + (r_2 * t17 + J_20 * t31) + (r_4 * t19 + J_40 * t33) + (r_6 * t21 + J_60 * t37);
+        const double t69 = t68 + (r_8 * t25 + J_80 * t42);
+        const double t70 = r_1 * t15 + J_00 * t30 + (r_3 * t17 + J_20 * t32) + (r_5 * t19 + J_40 * t34) + (r_6 * t22 + J_61 * t37);
+        const double t71 = r_0 * t16 + J_02 * t29 + (r_2 * t18 + J_22 * t31) + (r_4 * t20 + J_42 * t33) + (r_7 * t23 + J_72 * t40);
+        const double t72 = r_1 * t16 + J_02 * t30 + (r_3 * t18 + J_22 * t32) + (r_5 * t20 + J_42 * t34) + (r_7 * t24 + J_73 * t40);
+        const double t73 = r_0 * weights[0].t[k] + weights[0].v * t29 + (r_2 * weights[0].t[k] + weights[0].v * t31);
+        const double t74 = r_1 * weights[0].t[k] + weights[0].v * t30 + (r_3 * weights[0].t[k] + weights[0].v * t32);
+        const double t75 = E_0 * (E_0 * t49);
+        const double t76 = E_0 * (J_61 * t21 + J_60 * t22 + (J_81 * t25 + J_80 * t26)) - N_10 * t75;
+        const double t77 = E_0 * (t53 + (J_82 * t25 + J_80 * t27)) - N_20 * t75;
+        const double t78 = E_0 * (J_83 * t25 + J_80 * t28) - N_30 * t75;
+        const double t79 = E_0 * t63 - N_40 * t75;
+        const double t80 = L_10 * t76;
+        const double t81 = h8 * t49 + N_00 * (t80 + t80);
+        const double t82 = t52 - t81;
+        const double t83 = E_1 * (E_1 * t82);
+        const double t84 = E_1 * (J_82 * t26 + J_81 * t27 - (h9 * t49 + N_00 * (L_20 * t76 + L_10 * t77)));
+        const double t85 = t84 - h10 * t83;
+        const double t86 = t53 + (J_83 * t26 + J_81 * t28) - (h11 * t49 + N_00 * (L_30 * t76 + L_10 * t78));
+        const double t87 = E_1 * t86 - h12 * t83;
+        const double t88 = h14 * t49 + N_00 * (h13 * t79 + L_40 * (E_1 * t76 - L_10 * t83));
+        const double t89 = E_1 * t63 - N_40 * t83;
+        const double t90 = L_21 * t85;
+        const double t91 = L_20 * t77;
+        const double t92 = t57 + (t58 + t58) + (t59 + t59) - (h15 * t82 + D_1 * (t90 + t90)) - (h16 * t49 + N_00 * (t91 + t91));
+        const double t93 = E_2 * (E_2 * t92);
+        const double t94 = L_21 * t82 + D_1 * t85;
+        const double t95 = J_73 * t23 + J_72 * t24 + (J_83 * t27 + J_82 * t28) - (h17 * t87 + L_31 * t94) - (h18 * t49 + N_00 * (L_30 * t77 + L_20 * t78));
+        const double t96 = E_2 * t95 - h19 * t93;
+        const double t97 = E_2 * (t65 + (h17 * t88 + h20 * t94) - (h21 * t49 + N_00 * (L_40 * t77 + L_20 * t79)));
+        const double t98 = t97 - h22 * t93;
+        const double t99 = h25 * t89 + L_51 * (h24 * t85 + L_21 * (E_2 * (t81 - t52) - h23 * t93));
+        const double t100 = L_31 * t87;
+        const double t101 = L_32 * t96;
+        const double t102 = t57 + (t60 + t60) + (t61 + t61) - (h26 * t82 + D_1 * (t100 + t100)) - (h27 * t92 + D_2 * (t101 + t101));
+        const double t103 = L_30 * t78;
+        const double t104 = t102 - (h28 * t49 + N_00 * (t103 + t103));
+        const double t105 = E_3 * (E_3 * t104);
+        const double t106 = L_31 * t82 + D_1 * t87;
+        const double t107 = L_32 * t92 + D_2 * t96;
+        const double t108 = h30 * t98 + L_42 * t107 - (h29 * t88 + h20 * t106) + (h31 * t49 + N_00 * (L_40 * t78 + L_30 * t79));
+        const double t109 = E_3 * t108 - h32 * t105;
+        const double t110 = E_3 * (t65 - (h29 * t89 + L_51 * t106) - (h30 * t99 + L_52 * t107)) - h33 * t105;
+        const double t111 = h20 * t88;
+        const double t112 = L_42 * t98;
+        const double t113 = h36 * t109;
+        const double t114 = t67 - (h34 * t82 + D_1 * (t111 + t111)) - (h35 * t92 + D_2 * (t112 + t112)) - (h37 * t104 + D_3 * (t113 + t113));
+        const double t115 = L_40 * t79;
+        const double t116 = t114 - (h38 * t49 + N_00 * (t115 + t115));
+        const double t117 = E_4 * (E_4 * t116);
+        const double t118 = h40 * t99 + L_52 * (L_42 * t92 + D_2 * t98) - (h39 * t89 + L_51 * (h20 * t82 + D_1 * t88));
+        const double t119 = E_4 * (h41 * t110 + L_53 * (h36 * t104 + D_3 * t109) - t118) - h42 * t117;
+        const double t120 = L_51 * t89;
+        const double t121 = L_52 * t99;
+        const double t122 = L_53 * t110;
+        const double t123 = t67 - (h43 * t82 + D_1 * (t120 + t120)) - (h44 * t92 + D_2 * (t121 + t121)) - (h45 * t104 + D_3 * (t122 + t122));
+        const double t124 = L_54 * t119;
+        const double t125 = L_10 * t69 + h47 * t76 - (t70 + (r_8 * t26 + J_81 * t42));
+        const double t126 = L_20 * t69 + h47 * t77 - (t71 + (r_8 * t27 + J_82 * t42)) - (y_1 * t85 + L_21 * t125);
+        const double t127 = L_30 * t69 + h47 * t78 - (t72 + (r_8 * t28 + J_83 * t42)) - (y_1 * t87 + L_31 * t125);
+        const double t128 = t127 - (y_2 * t96 + L_32 * t126);
+        const double t129 = L_40 * t69 + h47 * t79 - (t73 + (r_4 * weights[0].t[k] + weights[0].v * t33)) + (y_1 * t88 + h20 * t125);
+        const double t130 = t129 - (y_2 * t98 + L_42 * t126) + (y_3 * t109 + h36 * t128);
+        const double t131 = t74 + (r_5 * weights[0].t[k] + weights[0].v * t34) + (y_1 * t89 + L_51 * t125) + (y_2 * t99 + L_52 * t126);
+        const double t132 = t131 + (y_3 * t110 + L_53 * t128) + (y_4 * t119 + L_54 * t130) - h48 * (t123 - (h46 * t116 + D_4 * (t124 + t124)));
+        const double t133 = h49 * t132;
+        const double t134 = E_4 * t130 - y_4 * t117 + (h48 * t119 + L_54 * t133);
+        const double t135 = E_3 * t128 - y_3 * t105 + (x_4 * t109 + h36 * t134) + (h48 * t110 + L_53 * t133);
+        const double t136 = E_2 * t126 - y_2 * t93 - (x_3 * t96 + L_32 * t135) - (x_4 * t98 + L_42 * t134) + (h48 * t99 + L_52 * t133);
+        const double t137 = E_1 * t125 - y_1 * t83 - (x_2 * t85 + L_21 * t136) - (x_3 * t87 + L_31 * t135) + (x_4 * t88 + h20 * t134);
+        const double t138 = t137 + (h48 * t89 + L_51 * t133);
+        const double t139 = E_0 * t69 - h47 * t75 + (x_1 * t76 + L_10 * t138) + (x_2 * t77 + L_20 * t136) + (x_3 * t78 + L_30 * t135);
+        const double t140 = t139 + (x_4 * t79 + L_40 * t134);
+        const double t141 = ends[0].v * ends[0].t[k];
+        const double t142 = ends[1].v * ends[1].t[k];
+        const double t143 = ends[2].v * ends[2].t[k];
+        const double t144 = ends[3].v * ends[3].t[k];
+        const double t145 = ends[4].v * ends[4].t[k];
+        const double t146 = ends[5].v * ends[5].t[k];
+        const double t147 = t141 + t141 + (t142 + t142) + (t143 + t143) + (t144 + t144) + (t145 + t145) + (t146 + t146);
+        const double t148 = h50 * t140;
+        const double t149 = x_1 * t138;
+        const double t150 = x_2 * t136;
+        const double t151 = x_3 * t135;
+        const double t152 = x_4 * t134;
+        const double t153 = h48 * t133;
+        const double t154 = t148 + t148 + (t149 + t149) + (t150 + t150) + (t151 + t151) + h52 * (t152 + t152 + (t153 + t153) - h51 * t147);
+        state_next[0].t[k] = state[0].t[k] - t140;
+        state_next[1].t[k] = state[1].t[k] + t138;
+        state_next[2].t[k] = state[2].t[k] + t136;
+        state_next[3].t[k] = state[3].t[k] + t135;
+        state_next[4].t[k] = state[4].t[k] + t134;
+        state_next[5].t[k] = state[5].t[k] - t133;
+        change[0].t[k] = t154;
+    }
+}
+
+/* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (12
+ * add, 19 multiply, 2 divide, 1 square root, 1 arctangent) */
+static inline void krhpr_platform_planar_a_encoder_pose_tangent(
+    const krhpr_dual *s, const krhpr_dual *state, krhpr_dual *KRHPR_RESTRICT p,
+    krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT raw)
+{
+    const double norm = 1.0 / sqrt(state[0].v * state[0].v + state[1].v * state[1].v);
+    const double cos = state[0].v * norm;
+    const double sin = state[1].v * norm;
+    const double h1 = 1.0 / (cos * cos + sin * sin);
+    p[0].v = s[0].v + state[4].v;
+    p[1].v = s[1].v + state[5].v;
+    phi[0].v = krhpr_atan2(sin, cos);
+    raw[0].v = state[0].v;
+    raw[1].v = state[2].v;
+    raw[2].v = state[1].v;
+    raw[3].v = state[3].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = state[0].v * state[0].t[k];
+        const double t2 = state[1].v * state[1].t[k];
+        const double t3 = norm * (norm * (norm * (0.5 * (t1 + t1 + (t2 + t2)))));
+        const double t4 = cos * (norm * state[1].t[k] - state[1].v * t3) - sin * (norm * state[0].t[k] - state[0].v * t3);
+        p[0].t[k] = s[0].t[k] + state[4].t[k];
+        p[1].t[k] = s[1].t[k] + state[5].t[k];
+        phi[0].t[k] = h1 * t4;
+        raw[0].t[k] = state[0].t[k];
+        raw[1].t[k] = state[2].t[k];
+        raw[2].t[k] = state[1].t[k];
+        raw[3].t[k] = state[3].t[k];
+    }
+}
+
 #endif

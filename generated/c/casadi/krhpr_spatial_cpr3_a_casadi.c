@@ -42,6 +42,9 @@
 #define krhpr_spatial_cpr3_a_link_points plain_link_points
 #define krhpr_spatial_cpr3_a_singularity plain_singularity
 #define krhpr_spatial_cpr3_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_spatial_cpr3_a_forward_encoders_1 plain_forward_encoders_1
+#define krhpr_spatial_cpr3_a_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_spatial_cpr3_a_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_spatial_cpr3_a.c"
 #undef krhpr_spatial_cpr3_a_rotation_error
 #undef krhpr_spatial_cpr3_a_end_points
@@ -62,6 +65,9 @@
 #undef krhpr_spatial_cpr3_a_link_points
 #undef krhpr_spatial_cpr3_a_singularity
 #undef krhpr_spatial_cpr3_a_type_2_of_redundant
+#undef krhpr_spatial_cpr3_a_forward_encoders_1
+#undef krhpr_spatial_cpr3_a_forward_encoders_2
+#undef krhpr_spatial_cpr3_a_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -78,9 +84,9 @@ static const krhpr_spatial_cpr3_a_geometry geometry = {
         { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .tilt_1 = 0.9553166181245092, .turn_1 = 0.0, .x_1 = 0.03, .y_1 = 0.0, .z_1 = -0.01, .tilt_2 = 0.9553166181245092, .turn_2 = 2.0943951023931953, .x_2 = 0.0, .y_2 = -0.02, .z_2 = 0.005, .tilt_3 = 0.9553166181245092, .turn_3 = 4.1887902047863905, .x_3 = 0.01, .y_3 = 0.0, .z_3 = 0.04, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .e = {0.045875854768068686, 0.07945931129894582, 0.9957819157813603, 0.9644345083117604, 0.25623600659558193, -0.06487825599846084, -0.260310363079828, 0.9633427877821301, -0.06487825599846127}, .n = {-0.4978909578906806, -0.8623724356957942, 0.0917517095361373, 0.8660254037844384, -0.5000000000000004, 0.0}, .g = {-0.1331698729810779, -0.21065698604072056, 0.05830127018922193, -0.1281698729810779, -0.23199673200287618, 0.025980762113533167, -0.09852885682970038, -0.25065698604072056, 0.04830127018922194}, .k = {0.997895405949299, 0.0036452638251211976, 0.0456823465490549, 0.06986607917745292, 0.24712284703277906, -0.06257082892400011, 0.9322385148732482, -0.2507681108579, 0.01688848237494548, 0.9936862178478972, 0.07912414523193176, 0.9343431089239489, -0.016624145231931467, 0.07197067322815377, -0.06250000000000037, 0.00841837620280371, 0.9957908118985982, 0.9957908118985981, -0.0036005481914707263, 0.021711559641311724, 0.03222636586913272, 0.18406722294687888, -0.6811862178478973, 0.045875854768068845, 0.18406722294687886, -0.6811862178478973, 0.04587585476806847, 1.0, 0.09175170953613687, 0.1589186225978915, 1.9915638315627209, -0.02243184984009384, -0.005183035249352789, 0.013042942309708734, -0.6819581808375593, -0.18118621784789665, 0.045875854768068526, 0.6819581808375598, 0.18118621784789676, -0.04587585476806875, 1.0, 0.0917517095361373, 0.15891862259789188, 1.9915638315627207, 64.0, 4.0, -0.49999999999999994, 0.28867513459481314, 1.6704779438076223e-52, -0.2874574785652651, -0.4978909578906801, 0.052972874199297235, -0.19381378215210238, 0.8190052204847238, 0.3535533905932736, 0.1437287392826322, -0.32840479024428565, 0.8395389666847902, -0.8061862178478973, -0.24165495129509726, -0.3535533905932735, -0.3562712607173675, -0.03972965564947213, 0.8395389666847901} }
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0} }
+        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0, 0.05, 0.0} },
+        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0, -0.02499999999999999, 0.04330127018922194} },
+        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0, -0.025000000000000022, -0.043301270189221926} }
     }
 };
 
@@ -1086,3 +1092,72 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_encoders_1 -- */
+
+static int value_forward_encoders_1(const double *x, double *y)
+{
+    return plain_forward_encoders_1(&geometry, x, x + 9, x[10], y, y + 3, y + 12, y + 13);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_1[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 1, 1, 1, NULL, P2, P3},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_1[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_1 = {
+    3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_1), function_forward_encoders_1)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

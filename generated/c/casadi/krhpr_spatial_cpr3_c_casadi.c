@@ -43,6 +43,8 @@
 #define krhpr_spatial_cpr3_c_singularity plain_singularity
 #define krhpr_spatial_cpr3_c_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_cpr3_c_forward_all plain_forward_all
+#define krhpr_spatial_cpr3_c_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_spatial_cpr3_c_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_spatial_cpr3_c.c"
 #undef krhpr_spatial_cpr3_c_rotation_error
 #undef krhpr_spatial_cpr3_c_end_points
@@ -64,6 +66,8 @@
 #undef krhpr_spatial_cpr3_c_singularity
 #undef krhpr_spatial_cpr3_c_type_2_of_redundant
 #undef krhpr_spatial_cpr3_c_forward_all
+#undef krhpr_spatial_cpr3_c_forward_encoders_2
+#undef krhpr_spatial_cpr3_c_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -1130,3 +1134,49 @@ static const krhpr_casadi_function function_forward_all = {
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_all), function_forward_all)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_all), function_forward_all)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

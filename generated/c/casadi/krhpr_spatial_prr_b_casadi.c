@@ -45,6 +45,8 @@
 #define krhpr_spatial_prr_b_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_prr_b_forward_all plain_forward_all
 #define krhpr_spatial_prr_b_forward plain_forward
+#define krhpr_spatial_prr_b_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_spatial_prr_b_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_spatial_prr_b.c"
 #undef krhpr_spatial_prr_b_rotation_error
 #undef krhpr_spatial_prr_b_end_points
@@ -68,6 +70,8 @@
 #undef krhpr_spatial_prr_b_type_2_of_redundant
 #undef krhpr_spatial_prr_b_forward_all
 #undef krhpr_spatial_prr_b_forward
+#undef krhpr_spatial_prr_b_forward_encoders_2
+#undef krhpr_spatial_prr_b_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -1237,3 +1241,49 @@ static const krhpr_casadi_function function_forward = {
 };
 KRHPR_CASADI_FUNCTION(NAME(forward), function_forward)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward), function_forward)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 2, 1, 1, NULL, P16, P17},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

@@ -44,6 +44,9 @@
 #define krhpr_spatial_rrrr_a_link_points plain_link_points
 #define krhpr_spatial_rrrr_a_singularity plain_singularity
 #define krhpr_spatial_rrrr_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_spatial_rrrr_a_forward_encoders_1 plain_forward_encoders_1
+#define krhpr_spatial_rrrr_a_forward_encoders_2 plain_forward_encoders_2
+#define krhpr_spatial_rrrr_a_forward_encoders_3 plain_forward_encoders_3
 #include "../krhpr_spatial_rrrr_a.c"
 #undef krhpr_spatial_rrrr_a_rotation_error
 #undef krhpr_spatial_rrrr_a_end_points
@@ -66,6 +69,9 @@
 #undef krhpr_spatial_rrrr_a_link_points
 #undef krhpr_spatial_rrrr_a_singularity
 #undef krhpr_spatial_rrrr_a_type_2_of_redundant
+#undef krhpr_spatial_rrrr_a_forward_encoders_1
+#undef krhpr_spatial_rrrr_a_forward_encoders_2
+#undef krhpr_spatial_rrrr_a_forward_encoders_3
 
 #include "krhpr_casadi.h"
 #include "krhpr_algebra_spatial_tangent.h"
@@ -82,9 +88,9 @@ static const krhpr_spatial_rrrr_a_geometry geometry = {
         { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {3.3333333333333335, 0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 0.135, 7.407407407407407, 1.3333333333333333, 2.2222222222222223, -0.1250000000000001, -0.2165063509461096, 0.0} }
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0} }
+        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0, 0.05, 0.0} },
+        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0, -0.02499999999999999, 0.04330127018922194} },
+        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0, -0.025000000000000022, -0.043301270189221926} }
     }
 };
 
@@ -1250,3 +1256,72 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- forward_encoders_1 -- */
+
+static int value_forward_encoders_1(const double *x, double *y)
+{
+    return plain_forward_encoders_1(&geometry, x, x + 9, x[10], y, y + 3, y + 12, y + 13);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_1[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 1, 1, 1, NULL, P2, P3},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_1[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_1 = {
+    3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_1), function_forward_encoders_1)
+
+/* -- forward_encoders_2 -- */
+
+static int value_forward_encoders_2(const double *x, double *y)
+{
+    return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_2[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_2[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_2 = {
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+
+/* -- forward_encoders_3 -- */
+
+static int value_forward_encoders_3(const double *x, double *y)
+{
+    return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static const krhpr_casadi_slot in_forward_encoders_3[] = {
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_measured", 3, 1, 1, NULL, P4, P5},
+    {"out_tolerance", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_forward_encoders_3[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_raw", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_function function_forward_encoders_3 = {
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)

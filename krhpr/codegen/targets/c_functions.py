@@ -61,13 +61,12 @@ class FunctionView:
     shared_angle_calls: tuple[str, ...]
     leg_angle_calls: tuple[str, ...]
     shared_calls: tuple[str, ...]
-    leg_calls: tuple[LegCall, ...]
+    leg_calls: tuple[Statement, ...]
     scatters: tuple[Scatter, ...]
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
     platform_tail_stores: tuple[tuple[str, str], ...]
-    platform_calls: tuple[str, ...]
-    at_roots: AtRoots | None
+    platform_calls: tuple[Statement, ...]
     leg_guards: tuple[GuardView, ...]
     platform_guards: tuple[GuardView, ...]
     batch_arguments: tuple[str, ...]
@@ -77,12 +76,12 @@ class FunctionView:
     @property
     def has_roots(self) -> bool:
         """Whether it needs the roots of a polynomial."""
-        return self.at_roots is not None or any(call.at_roots for call in self.leg_calls)
+        return any(call.at_roots for call in (*self.leg_calls, *self.platform_calls))
 
 
 @dataclass(frozen=True)
-class LegCall:
-    """A statement for each leg: the call of a kernel, an iteration around it, or a loop over roots."""
+class Statement:
+    """A statement, for the platform or a leg: a kernel's call, an iteration around it, a loop over roots."""
 
     text: str
     iteration: Iteration | None = None
@@ -226,7 +225,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         angle_count=plan.angle_count,
         shared_angle_calls=tuple(plan.shared_angle_calls),
         leg_angle_calls=tuple(plan.leg_angle_calls),
-        shared_calls=tuple(plan.calls[Stage.SHARED]),
+        shared_calls=tuple(plan.shared_calls),
         leg_calls=tuple(plan.leg_calls),
         scatters=tuple(
             Scatter(f"{port.name}_block", port.name, port.shape[0], port.shape[1], port.full_shape[1])
@@ -235,8 +234,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         tail_count=plan.tail_count,
         tail_stores=tuple(plan.tail_stores),
         platform_tail_stores=tuple(plan.platform_tail_stores),
-        platform_calls=tuple(plan.calls[Stage.PLATFORM]),
-        at_roots=plan.at_roots,
+        platform_calls=tuple(plan.platform_calls),
         leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
         platform_guards=tuple(
             _platform_guard(guard, function) for guard in function.guards if guard not in leg_guards
@@ -271,9 +269,9 @@ class _Plan:
         self.leg_angle_calls: list[str] = []
         self.tail_stores: list[tuple[str, str]] = []
         self.platform_tail_stores: list[tuple[str, str]] = []
-        self.calls: dict[Stage, list[str]] = {stage: [] for stage in Stage}
-        self.leg_calls: list[LegCall] = []
-        self.at_roots: AtRoots | None = None
+        self.shared_calls: list[str] = []
+        self.leg_calls: list[Statement] = []
+        self.platform_calls: list[Statement] = []
         self._offsets: dict[str, str] = {}
         for call in function.calls:
             self._add(call)
@@ -285,19 +283,18 @@ class _Plan:
             self._iterate(call, call.repeat, part, phases)
             return
         if call.each is not None:
-            found = self._at_roots(call, call.each, part, phases)
-            if call.stage is Stage.LEG:
-                self.leg_calls.append(LegCall("", at_roots=found))
-            else:
-                self.at_roots = found
+            self._place(call, Statement("", at_roots=self._at_roots(call, call.each, part, phases)))
             return
         special = self._angles(call, part, phases)
         special |= self._tails(call, phases)
         text = self._text(call, part, phases.body, special)
-        if call.stage is Stage.LEG:
-            self.leg_calls.append(LegCall(text))
+        self._place(call, Statement(text))
+
+    def _place(self, call: Call, statement: Statement) -> None:
+        if call.stage is Stage.SHARED:
+            self.shared_calls.append(statement.text)
         else:
-            self.calls[call.stage].append(text)
+            (self.leg_calls if call.stage is Stage.LEG else self.platform_calls).append(statement)
 
     def _iterate(self, call: Call, repeat: Repeat, part: Part, phases: Phases) -> None:
         """A loop around a kernel, with its sines and cosines inside it."""
@@ -308,20 +305,20 @@ class _Plan:
         angles, count = "", 0
         if phases.angles is not None:
             count = phases.angles.output_port("angle").size
-            angles = self._text(call, part, phases.angles, {**special, "angle": "step_angle"}, indent=12)
+            angles = self._text(call, part, phases.angles, {**special, "angle": "step_angle"}, indent=8)
             special |= {"sine": "step_sine", "cosine": "step_cosine"}
         iteration = Iteration(
             state=repeat.before,
             size=phases.body.output_port(repeat.after).size,
-            start=self._reference(repeat.start, Stage.LEG),
-            result=self._reference(call.variable_out(repeat.after), Stage.LEG),
-            change=self._reference(call.variable_out(repeat.change), Stage.LEG),
+            start=self._reference(repeat.start, call.stage),
+            result=self._reference(call.variable_out(repeat.after), call.stage),
+            change=self._element(call.variable_out(repeat.change), call.stage),
             tolerance=repr(repeat.tolerance),
             limit=repeat.limit,
             angle_call=angles,
             angle_count=count,
         )
-        self.leg_calls.append(LegCall(self._text(call, part, phases.body, special, indent=12), iteration))
+        self._place(call, Statement(self._text(call, part, phases.body, special, indent=8), iteration))
 
     def _at_roots(self, call: Call, each: EachRoot, part: Part, phases: Phases) -> AtRoots:
         """A loop over the roots; what one gives lies in variables of its own until it is known to count."""
@@ -359,6 +356,10 @@ class _Plan:
             tail_count=phases.tail_size,
             tail_stores=tuple(stores),
         )
+
+    def _element(self, name: str, stage: Stage) -> str:
+        """A number, which guards of the platform want in an array of one."""
+        return f"{name}[0]" if self.known[name].port.shape else self._reference(name, stage)
 
     def _collected(self, name: str, stage: Stage) -> str:
         """Where solutions are collected."""

@@ -29,6 +29,7 @@ from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
 from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
 from krhpr.codegen.targets.python_limits import python_limits
+from krhpr.defaults import NUMBERS
 
 
 class PythonTarget:
@@ -137,6 +138,7 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     per_leg = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
     optional = {name: f"({value},) * 3" for name, value in per_leg.items()} | {"box": "DEFAULT_BOX"}
     optional |= dict.fromkeys(SIGNS, "1.0")
+    optional |= {name: repr(value[0] if len(value) == 1 else value) for name, value in NUMBERS.items()}
     present = [port.name for port in function.inputs if port.name in optional]
     return {
         "name": function.name,
@@ -165,6 +167,8 @@ def _default_remark(name: str, optional: Mapping[str, str]) -> str:
     """What an argument is where it is not given."""
     if name in SIGNS:
         return "; +1 unless given"
+    if name in NUMBERS:
+        return f"; {optional[name]} unless given"
     return ", the default unless given" if name in optional else ""
 
 

@@ -81,6 +81,8 @@ def _reference(one: Numeric, batch: Batch, port: Port, wanted: Floats) -> Any:
     """What a value is compared with: itself, but for residuals and errors, which cancel."""
     if port.name == "residual":
         return _lengths(one, batch)
+    if "mismatch" in port.name:
+        return np.abs(batch.values["s"]).max(axis=(1, 2))
     return np.ones_like(wanted) if port.name == "error" else wanted
 
 
@@ -102,15 +104,15 @@ class _Turn:
     def __call__(self, port: Port, value: Floats) -> Floats:
         """A value as it is after the base has turned."""
         R, d = self.R, len(self.R)
-        if port.name == "phi":
+        if port.name in ("phi", "phi_near"):
             return value + self.angle
         if port.name == "swivel":
             return value + self.swivel * self.angle
         if port.name in ("theta", "theta_near"):
             return np.asarray(value + self.share * self.angle)
-        if port.name in ("p", "s", "s_near", "points", "attachment"):
+        if port.name in ("p", "p_near", "s", "s_near", "points", "attachment"):
             return value @ R.T
-        if port.name in ("Q", "M"):
+        if port.name in ("Q", "Q_near", "raw", "M"):
             return np.asarray(R @ value)
         if port.name in ("twist", "twist_rate", "J"):
             parts = [value[..., :d] @ R.T, value[..., d:] if d == 2 else value[..., d:] @ R.T]
@@ -127,6 +129,8 @@ def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
         }
         parity = np.linalg.det(np.eye(LEGS)[list(order)])
         for function in one.subject.code.functions:
+            if any(port.name == "measured" and port.size < LEGS for port in function.inputs):
+                continue  # the first legs have the encoders
             inputs = batch.of(function)
             there = {
                 port.name: _exchanged(port, inputs[port.name], order, parity) for port in function.inputs
@@ -134,6 +138,8 @@ def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
             here = one.call(function.name, inputs, batch.geometry)
             exchanged = one.call(function.name, there, geometry)
             for port in function.outputs:
+                if port.name == "kantorovich":
+                    continue  # its unknowns are those of the first leg
                 wanted = _exchanged(port, here[port.name], order, parity)
                 if port.name == "det_J" and one.subject.planar:
                     wanted = wanted * parity  # in space both factors change their sign
@@ -164,7 +170,7 @@ def _exchanged(port: Port, value: Floats, order: tuple[int, ...], parity: float)
     """
     if port.name in ("type_2", "margins", "side"):
         return value * parity
-    if port.name == "redundant" and port.layout is Layout.SHARED:
+    if port.name in ("redundant", "measured") and port.layout is Layout.SHARED:
         return value[..., list(order)]
     if port.layout is Layout.SHARED:
         return value
@@ -197,6 +203,8 @@ def power_of_length(subject: Subject, port: Port) -> Any:
     """
     if port.name == "passive":
         return np.array([int(joint.kind != "revolute") for joint in subject.subleg.passive_joints])
+    if port.name == "weights":
+        return np.array([-1, -1, 0])
     if port.unit in _POWERS:
         return _POWERS[port.unit]
     if port.unit in _TWISTS:

@@ -283,6 +283,39 @@ ROBOT_PROOFS = (
         needs="platform.assembly_mode",
     ),
     Proof(
+        "Newton steps of the platform",
+        "forward_newton",
+        BALL,
+        FEW,
+        "From the pose itself the steps do not move; from beside it one step squares the distance; where "
+        "they end is the pose.",
+        ("platform.tie", "platform.newton_start", "platform.newton_step", "platform.newton_pose"),
+        needs="platform.newton_step",
+    ),
+    Proof(
+        "encoders",
+        "forward_encoders_3",
+        BALL,
+        FEW,
+        "With the redundant coordinates themselves measured, every approach gives the pose, the orientation "
+        "as it is, and no mismatch.",
+        tuple(
+            f"platform.{kernel}"
+            for kernel in (
+                "arm",
+                "turns_1",
+                "turns_2",
+                "turns_3",
+                "one_encoder",
+                "two_encoders",
+                "three_encoders",
+                "gauss_newton_2",
+                "gauss_newton_3",
+                "encoder_pose",
+            )
+        ),
+    ),
+    Proof(
         "unique in the box",
         "forward",
         BALL,

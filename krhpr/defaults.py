@@ -1,0 +1,10 @@
+"""What functions take for inputs that are numbers of the method, where a language has defaults."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+NUMBERS: Mapping[str, tuple[float, ...]] = {"tolerance": (0.02,), "weights": (1000.0, 1000.0, 1000.0)}
+"""By how much encoders may contradict end points (m); and least squares in which a millimetre counts as much
+as a thousandth of the orientation's orthonormality.
+"""
