@@ -15,6 +15,7 @@ from krhpr.codegen.composition import (
     RobotFunction,
     Stage,
     Status,
+    Step,
 )
 from krhpr.codegen.kernel import Frame, Port, Unit
 from krhpr.derivations.platforms.encoders import MISMATCH, OTHER, TOLERANCE, WEIGHTS, measured_port, raw_port
@@ -177,6 +178,20 @@ class ForwardFunctions(FunctionsOf):
                 Call(Stage.PLATFORM, "platform", "assembly_mode", {}, {"radicand": "assembly_radicand"}),
             ),
             (*subleg.guards, self._sign_guard(), *self._assembly_guards("assembly_radicand")),
+        )
+
+    def _passive_joints_of_theta(self) -> RobotFunction:
+        forward = self._forward() if self.robot.platform.closed_forward else self._forward_only()
+        passive = self._passive_joints()
+        pose = tuple(port for port in forward.outputs if port.name in ("p", "Q", "phi", "redundant"))
+        return RobotFunction(
+            "passive_joints_of_theta",
+            "Every passive joint from the actuated ones alone, by `forward`; and the pose.",
+            "3.2, 3.6",
+            forward.inputs,
+            (*passive.outputs, *pose),
+            (),
+            steps=(Step("forward"), Step("end_points"), Step("passive_joints")),
         )
 
     # -- with a pose nearby, and with encoders --------------------------------------------------------------

@@ -14,7 +14,7 @@ from krhpr.codegen.composition import (
     Stage,
     Status,
 )
-from krhpr.codegen.kernel import Frame, Port, Unit
+from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.terms import Space
 
 if TYPE_CHECKING:
@@ -82,3 +82,46 @@ class FunctionsOf:
         call = Call(Stage.LEG, "subleg", kernel, {}, {f"{name}_next": name}, repeat)
         guard = Guard("change", 0, Relation.AT_MOST, repeat.tolerance, Status.NO_CONVERGENCE)
         return call, (guard,)
+
+    # -- passive joints, which forward kinematics gives too --------------------------------------------------
+
+    def _passive_joints(self) -> RobotFunction:
+        outputs: list[Port] = []
+        if self.robot.subleg.passive_joints:
+            outputs.append(self.leg.passive)
+        if self.planar:
+            wrist = "joint at r_i: redundant link (from r_i) relative to the sub-leg's last link"
+            outputs.append(Port("wrist", (), Unit.RADIAN, Frame.JOINT, wrist, Layout.STACKED))
+        else:
+            sphere = (
+                "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from"
+                " the sub-leg's last link "
+                "(x towards S_i, z = e_2)"
+            )
+            outputs.append(Port("spherical", (3, 3), Unit.NONE, Frame.JOINT, sphere, Layout.STACKED))
+        outputs.append(self.plate.platform_joint)
+        return self._function(
+            "passive_joints",
+            "Every passive joint, from the base to the platform.",
+            "",
+            (*self.pose, self.leg.s, self.leg.theta),
+            tuple(outputs),
+            (
+                self._posture(),
+                self._on_leg("subleg", "passive"),
+                self._on_leg("platform", "joint"),
+                self._on_leg("algebra", "wrist"),
+            ),
+            self._loop_guard(),
+        )
+
+    def _loop_guard(self) -> tuple[Guard, ...]:
+        """Where loops of passive joints do not close, or leave a joint undetermined, there are no passive
+        joints.
+        """
+        if not self.robot.subleg.has_loops():
+            return ()
+        return (
+            Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),
+            Guard("regularity", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE**2, Status.SINGULAR_LEG_1),
+        )

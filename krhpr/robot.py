@@ -497,14 +497,38 @@ class Robot:
         `assembly` and `near` choose the sub-legs' assembly modes as in `subleg_forward`.
         """
         choice = self._assembly_choice("forward", assembly, near)
-        if self._takes("forward", "side"):
+        pose = self._pose_choice("forward", side, box, turned)
+        return self._answer("forward", (theta, *choice, *pose), options)
+
+    def passive_joints_of_theta(
+        self,
+        theta: ArrayLike,
+        assembly: Branch | None = None,
+        *,
+        near: ArrayLike | None = None,
+        side: ArrayLike | None = None,
+        box: ArrayLike | None = None,
+        turned: bool = False,
+        **options: Unpack[Options],
+    ) -> Any:
+        """Every passive joint from the actuated ones alone, as `passive_joints` gives them, then the pose
+        (p, Q, redundant); the arguments are those of `forward`, and so is the status.
+        """
+        choice = self._assembly_choice("passive_joints_of_theta", assembly, near)
+        pose = self._pose_choice("passive_joints_of_theta", side, box, turned)
+        return self._answer("passive_joints_of_theta", (theta, *choice, *pose), options)
+
+    def _pose_choice(
+        self, function: str, side: ArrayLike | None, box: ArrayLike | None, turned: bool
+    ) -> tuple[Any, ...]:
+        """The arguments that choose among poses: a side of type II, or a box and a family."""
+        if self._takes(function, "side"):
             if box is not None or turned:
-                raise UnknownBranch(f"{self.identifier}.forward: side=+1 or -1 chooses the pose, no box")
-            return self._answer("forward", (theta, *choice, 1.0 if side is None else side), options)
+                raise UnknownBranch(f"{self.identifier}.{function}: side=+1 or -1 chooses the pose, no box")
+            return (1.0 if side is None else side,)
         if side is not None:
-            raise UnknownBranch(f"{self.identifier}.forward: box=... chooses the pose, no side")
-        family = self._family("forward", turned)
-        return self._answer("forward", (theta, *choice, self.box if box is None else box, *family), options)
+            raise UnknownBranch(f"{self.identifier}.{function}: box=... chooses the pose, no side")
+        return (self.box if box is None else box, *self._family(function, turned))
 
     def forward_newton(
         self, s: ArrayLike, p_near: ArrayLike, Q_near: ArrayLike, **options: Unpack[Options]

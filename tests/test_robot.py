@@ -118,11 +118,19 @@ def arguments(robot: Robot, function: str, *batch: int, seed: int = 0) -> tuple[
     known = {"p": p, "Q": Q, "phi": Q, "s": s, "theta": theta, "redundant": redundant, "mode": signs}
     known["theta_near"] = theta + 0.1
     known |= dict.fromkeys(SIGNS, np.ones(batch))
+    known |= {"p_near": p, "Q_near": Q, "phi_near": Q, "tolerance": np.full(batch, 0.01)}
+    known["box"] = np.broadcast_to(np.radians([30.0, 150.0]), (*batch, 3, 2))
+    known["weights"] = np.broadcast_to([1000.0, 1000.0, 1000.0], (*batch, 3))
     if robot.assemblies:
         shape = robot.assembly_signs().shape
         known["assembly"] = np.broadcast_to(robot.assembly_signs(), (*batch, *shape))
+    known |= {f"measured of {count}": redundant[..., :count] for count in (1, 2, 3)}
     return tuple(
-        known[port.name] if port.name in known else random.normal(size=(*batch, *port.shape))
+        known[f"measured of {port.shape[0]}"]
+        if port.name == "measured"
+        else known[port.name]
+        if port.name in known
+        else random.normal(size=(*batch, *port.shape))
         for port in robot.signature(function).inputs
     )
 

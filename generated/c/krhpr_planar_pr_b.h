@@ -425,6 +425,26 @@ KRHPR_API int krhpr_planar_pr_b_forward_batch(
     const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
+/* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
+ *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho, theta]
+ *   in     side (scalar): +1 for the side of type II where the first margin is positive, or -1
+ *   out    wrist (3, rad, joint frame): joint at r_i: redundant link (from r_i) relative to the sub-leg's
+ *          last link
+ *   out    platform_joint (3, m, joint frame): slide delta_i along t_i, from b_i, signed
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    redundant (3, m, joint frame): slide delta_i along t_i, from b_i, signed
+ */
+KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta(
+    const krhpr_planar_pr_b_geometry *g, const double theta[6], double side, double *KRHPR_RESTRICT wrist,
+    double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT redundant);
+/* Batch: in = theta (6), side (1); out = wrist (3), platform_joint (3), p (2), phi (1), redundant (3); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i

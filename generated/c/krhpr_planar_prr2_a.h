@@ -533,6 +533,33 @@ KRHPR_API int krhpr_planar_prr2_a_forward_encoders_1_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
+ *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho_1, rho_2]
+ *   in     assembly (3 x 1): signs of the assembly mode, +1 or -1 [assembly]; NULL for the default
+ *   in     box (3 x 2, rad, joint frame): the least and the largest redundant angle of the answer; an angle
+ *          is given with the full turns that bring it there; NULL for the default
+ *   out    passive (3 x 3, rad, joint frame): passive joints within the sub-leg [hinge_1, hinge_2, meeting]
+ *   out    wrist (3, rad, joint frame): joint at r_i: redundant link (from r_i) relative to the sub-leg's
+ *          last link
+ *   out    platform_joint (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
+ *          link, clockwise from +z'
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
+ *          clockwise from +z'
+ */
+KRHPR_API int krhpr_planar_prr2_a_passive_joints_of_theta(
+    const krhpr_planar_prr2_a_geometry *g, const double theta[6], const double assembly[3],
+    const double box[6], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist,
+    double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT redundant);
+/* Batch: in = theta (6), assembly (3), box (6); out = passive (9), wrist (3), platform_joint (3), p (2), phi (1), redundant (3); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_prr2_a_passive_joints_of_theta_batch(
+    const krhpr_planar_prr2_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i

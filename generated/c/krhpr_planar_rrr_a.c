@@ -1899,6 +1899,43 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_3_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rrr_a_passive_joints_of_theta(
+    const krhpr_planar_rrr_a_geometry *g, const double theta[9], const double box[6],
+    double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant)
+{
+    int status = KRHPR_OK;
+    int here = KRHPR_OK;
+    double count;
+    double certified;
+    double s[6];
+    here = krhpr_planar_rrr_a_forward(g, theta, box, p, phi, redundant, &count, &certified);
+    status = status == KRHPR_OK ? here : status;
+    here = krhpr_planar_rrr_a_end_points(g, p, *phi, redundant, s);
+    status = status == KRHPR_OK ? here : status;
+    here = krhpr_planar_rrr_a_passive_joints(g, p, *phi, s, theta, wrist, platform_joint);
+    status = status == KRHPR_OK ? here : status;
+    return status;
+}
+
+KRHPR_API int krhpr_planar_rrr_a_passive_joints_of_theta_batch(
+    const krhpr_planar_rrr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_a_passive_joints_of_theta(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 static const int joint_is_angle[3] = {1, 1, 1};
 
 KRHPR_API int krhpr_planar_rrr_a_inverse_near(

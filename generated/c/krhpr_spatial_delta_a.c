@@ -1978,6 +1978,46 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_a_passive_joints_of_theta(
+    const krhpr_spatial_delta_a_geometry *g, const double theta[9], const double s_near[9],
+    const double box[6], double turned, double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
+    double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT redundant)
+{
+    int status = KRHPR_OK;
+    int here = KRHPR_OK;
+    double count;
+    double certified;
+    double s[9];
+    here = krhpr_spatial_delta_a_forward(g, theta, s_near, box, turned, p, Q, redundant, &count, &certified);
+    status = status == KRHPR_OK ? here : status;
+    here = krhpr_spatial_delta_a_end_points(g, p, Q, redundant, s);
+    status = status == KRHPR_OK ? here : status;
+    here = krhpr_spatial_delta_a_passive_joints(g, p, Q, s, theta, passive, spherical, platform_joint);
+    status = status == KRHPR_OK ? here : status;
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_delta_a_passive_joints_of_theta_batch(
+    const krhpr_spatial_delta_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_delta_a_passive_joints_of_theta(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
+            *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
+            out[5] + k * out_step[5]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 static const int joint_is_angle[3] = {1, 1, 1};
 
 KRHPR_API int krhpr_spatial_delta_a_inverse_near(

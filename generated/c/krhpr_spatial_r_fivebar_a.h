@@ -565,6 +565,35 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_1_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   in     assembly (3 x 1): signs of the assembly mode, +1 or -1 [assembly]; NULL for the default
+ *   in     box (3 x 2, rad, joint frame): the least and the largest redundant angle of the answer; an angle
+ *          is given with the full turns that bring it there; NULL for the default
+ *   in     turned (scalar): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its
+ *          legs, -1 for the one turned over
+ *   out    passive (3 x 3, rad, joint frame): passive joints within the sub-leg [crank_1, crank_2, rod]
+ *   out    spherical (3 x 3 x 3, joint frame): spherical joint at S_i as a rotation: redundant link (x from
+ *          S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
+ *   out    platform_joint (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant
+ *          link, clockwise from +z'
+ *   out    p (3, m, base frame): position of O'
+ *   out    Q (3 x 3, base frame): orientation, base from platform
+ *   out    redundant (3, rad, joint frame): angle beta_i at B_i from the inward ray to the redundant link,
+ *          clockwise from +z'
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints_of_theta(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double theta[9], const double assembly[3],
+    const double box[6], double turned, double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
+    double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT redundant);
+/* Batch: in = theta (9), assembly (3), box (6), turned (1); out = passive (9), spherical (27), platform_joint (3), p (3), Q (9), redundant (3); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints_of_theta_batch(
+    const krhpr_spatial_r_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i

@@ -485,6 +485,30 @@ KRHPR_API int krhpr_spatial_upu3_c_forward_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 
+/* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [rho_1, rho_2, rho_3]
+ *   in     s_near (3 x 3, m, base frame): a point near the end point, which chooses the assembly mode
+ *   in     side (scalar): +1 for the side of type II where the first margin is positive, or -1
+ *   out    passive (3 x 6, rad, joint frame): passive joints within the sub-leg [tilt_1, lean_1, tilt_2,
+ *          lean_2, tilt_3, lean_3]
+ *   out    spherical (3 x 3 x 3, joint frame): spherical joint at S_i as a rotation: redundant link (x from
+ *          S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
+ *   out    platform_joint (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
+ *   out    p (3, m, base frame): position of O'
+ *   out    Q (3 x 3, base frame): orientation, base from platform
+ *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_r, from O', signed
+ */
+KRHPR_API int krhpr_spatial_upu3_c_passive_joints_of_theta(
+    const krhpr_spatial_upu3_c_geometry *g, const double theta[9], const double s_near[9], double side,
+    double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant);
+/* Batch: in = theta (9), s_near (9), side (1); out = passive (18), spherical (27), platform_joint (3), p (3), Q (9), redundant (3); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_spatial_upu3_c_passive_joints_of_theta_batch(
+    const krhpr_spatial_upu3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i

@@ -48,6 +48,7 @@ __all__ = [
     "joint_rates",
     "link_points",
     "passive_joints",
+    "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
     "singularity",
@@ -527,6 +528,23 @@ SIGNATURES = {
         ),
         "(3,2),(1),()->(2),(),(),(),()",
     ),
+    "passive_joints_of_theta": rt.Signature(
+        "passive_joints_of_theta",
+        "Every passive joint from the actuated ones alone, by `forward`; and the pose.",
+        "3.2, 3.6",
+        (
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", )),
+            rt.Port("box", (3, 2), "rad", "joint", "the least and the largest redundant angle of the answer; an angle is given with the full turns that bring it there", "stacked", ()),
+        ),
+        (
+            rt.Port("wrist", (3,), "rad", "joint", "joint at r_i: redundant link (from r_i) relative to the sub-leg's last link", "stacked", ()),
+            rt.Port("platform_joint", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "stacked", ()),
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+        ),
+        "(3,2),(3,2)->(3),(3),(2),(),(3),()",
+    ),
     "forward_encoders_2": rt.Signature(
         "forward_encoders_2",
         "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
@@ -681,6 +699,16 @@ class ForwardEncoders1(NamedTuple):
     phi: Any
     mismatch: Any
     other_mismatch: Any
+
+
+class PassiveJointsOfTheta(NamedTuple):
+    """Results of `passive_joints_of_theta`."""
+
+    wrist: Any
+    platform_joint: Any
+    p: Any
+    phi: Any
+    redundant: Any
 
 
 class ForwardEncoders2(NamedTuple):
@@ -1641,6 +1669,43 @@ def forward_encoders_1(
             ),
         )
     answer = ForwardEncoders1(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def passive_joints_of_theta(
+    theta: Any, box: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Every passive joint from the actuated ones alone, by `forward`; and the pose.
+
+    Thesis: 3.2, 3.6.
+
+    Args:
+        theta (..., 3, 2) [rad or m]: actuated joints [rho_1, rho_2]
+        box (..., 3, 2) [rad]: the least and the largest redundant angle of the answer; an angle
+            is given with the full turns that bring it there, the default unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        wrist (..., 3) [rad]: joint at r_i: redundant link (from r_i) relative to the sub-leg's
+            last link
+        platform_joint (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
+            link, clockwise from +z'
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+    """
+    if box is None:
+        box = DEFAULT_BOX
+    code: Any = np.int32(0)
+    (p, phi, redundant, _count, _certified), here = forward(theta, box, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    s, here = end_points(p, phi, redundant, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    (wrist, platform_joint), here = passive_joints(p, phi, s, theta, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    results = [wrist, platform_joint, p, phi, redundant, code[()]]
+    answer = PassiveJointsOfTheta(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -49,6 +49,7 @@ __all__ = [
     "joint_rates",
     "link_points",
     "passive_joints",
+    "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
     "singularity",
@@ -573,6 +574,25 @@ SIGNATURES = {
         ),
         "(3,2),(1),()->(2),(),(),(),()",
     ),
+    "passive_joints_of_theta": rt.Signature(
+        "passive_joints_of_theta",
+        "Every passive joint from the actuated ones alone, by `forward`; and the pose.",
+        "3.2, 3.6",
+        (
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", )),
+            rt.Port("assembly", (3, 1), "1", "-", "signs of the assembly mode, +1 or -1", "stacked", ("assembly", )),
+            rt.Port("box", (3, 2), "rad", "joint", "the least and the largest redundant angle of the answer; an angle is given with the full turns that bring it there", "stacked", ()),
+        ),
+        (
+            rt.Port("passive", (3, 3), "rad", "joint", "passive joints within the sub-leg", "stacked", ("hinge_1", "hinge_2", "meeting", )),
+            rt.Port("wrist", (3,), "rad", "joint", "joint at r_i: redundant link (from r_i) relative to the sub-leg's last link", "stacked", ()),
+            rt.Port("platform_joint", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "stacked", ()),
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+        ),
+        "(3,2),(3,1),(3,2)->(3,3),(3),(3),(2),(),(3),()",
+    ),
     "forward_encoders_2": rt.Signature(
         "forward_encoders_2",
         "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
@@ -728,6 +748,17 @@ class ForwardEncoders1(NamedTuple):
     phi: Any
     mismatch: Any
     other_mismatch: Any
+
+
+class PassiveJointsOfTheta(NamedTuple):
+    """Results of `passive_joints_of_theta`."""
+
+    passive: Any
+    wrist: Any
+    platform_joint: Any
+    p: Any
+    phi: Any
+    redundant: Any
 
 
 class ForwardEncoders2(NamedTuple):
@@ -1761,6 +1792,50 @@ def forward_encoders_1(
             ),
         )
     answer = ForwardEncoders1(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def passive_joints_of_theta(
+    theta: Any, assembly: Any = None, box: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Every passive joint from the actuated ones alone, by `forward`; and the pose.
+
+    Thesis: 3.2, 3.6.
+
+    Args:
+        theta (..., 3, 2) [rad or m]: actuated joints [rho_1, rho_2]
+        assembly (..., 3, 1): signs of the assembly mode, +1 or -1 [assembly], the default
+            unless given
+        box (..., 3, 2) [rad]: the least and the largest redundant angle of the answer; an angle
+            is given with the full turns that bring it there, the default unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        passive (..., 3, 3) [rad]: passive joints within the sub-leg [hinge_1, hinge_2, meeting]
+        wrist (..., 3) [rad]: joint at r_i: redundant link (from r_i) relative to the sub-leg's
+            last link
+        platform_joint (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
+            link, clockwise from +z'
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+    """
+    if assembly is None:
+        assembly = (ASSEMBLIES[DEFAULT_ASSEMBLY],) * 3
+    if box is None:
+        box = DEFAULT_BOX
+    code: Any = np.int32(0)
+    (p, phi, redundant, _count, _certified), here = forward(
+        theta, assembly, box, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    s, here = end_points(p, phi, redundant, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    (passive, wrist, platform_joint), here = passive_joints(p, phi, s, theta, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    results = [passive, wrist, platform_joint, p, phi, redundant, code[()]]
+    answer = PassiveJointsOfTheta(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -46,6 +46,7 @@ __all__ = [
     "joint_rates",
     "link_points",
     "passive_joints",
+    "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
     "singularity",
@@ -484,6 +485,23 @@ SIGNATURES = {
         ),
         "(3,2),()->(2),(),(3),(),(),()",
     ),
+    "passive_joints_of_theta": rt.Signature(
+        "passive_joints_of_theta",
+        "Every passive joint from the actuated ones alone, by `forward`; and the pose.",
+        "3.2, 3.6",
+        (
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("theta", "rho", )),
+            rt.Port("side", (), "1", "-", "+1 for the side of type II where the first margin is positive, or -1", "shared", ()),
+        ),
+        (
+            rt.Port("wrist", (3,), "rad", "joint", "joint at r_i: redundant link (from r_i) relative to the sub-leg's last link", "stacked", ()),
+            rt.Port("platform_joint", (3,), "m", "joint", "slide delta_i along t_i, from O', signed", "stacked", ()),
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "m", "joint", "slide delta_i along t_i, from O', signed", "shared", ()),
+        ),
+        "(3,2),()->(3),(3),(2),(),(3),()",
+    ),
     "forward_encoders_2": rt.Signature(
         "forward_encoders_2",
         "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
@@ -601,6 +619,16 @@ class Forward(NamedTuple):
     redundant: Any
     count: Any
     certified: Any
+
+
+class PassiveJointsOfTheta(NamedTuple):
+    """Results of `passive_joints_of_theta`."""
+
+    wrist: Any
+    platform_joint: Any
+    p: Any
+    phi: Any
+    redundant: Any
 
 
 class ForwardEncoders2(NamedTuple):
@@ -1444,6 +1472,41 @@ def forward(
             ),
         )
     answer = Forward(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def passive_joints_of_theta(
+    theta: Any, side: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Every passive joint from the actuated ones alone, by `forward`; and the pose.
+
+    Thesis: 3.2, 3.6.
+
+    Args:
+        theta (..., 3, 2) [rad or m]: actuated joints [theta, rho]
+        side (...): +1 for the side of type II where the first margin is positive, or -1; +1
+            unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        wrist (..., 3) [rad]: joint at r_i: redundant link (from r_i) relative to the sub-leg's
+            last link
+        platform_joint (..., 3) [m]: slide delta_i along t_i, from O', signed
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation, base from platform
+        redundant (..., 3) [m]: slide delta_i along t_i, from O', signed
+    """
+    if side is None:
+        side = 1.0
+    code: Any = np.int32(0)
+    (p, phi, redundant, _count, _certified), here = forward(theta, side, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    s, here = end_points(p, phi, redundant, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    (wrist, platform_joint), here = passive_joints(p, phi, s, theta, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    results = [wrist, platform_joint, p, phi, redundant, code[()]]
+    answer = PassiveJointsOfTheta(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -46,6 +46,7 @@ __all__ = [
     "joint_rates",
     "link_points",
     "passive_joints",
+    "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
     "rotation_error",
@@ -559,6 +560,25 @@ SIGNATURES = {
         ),
         "(3,3),(3,1),()->(3),(3,3),(3),(),(),()",
     ),
+    "passive_joints_of_theta": rt.Signature(
+        "passive_joints_of_theta",
+        "Every passive joint from the actuated ones alone, by `forward`; and the pose.",
+        "3.2, 3.6",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("d", "theta_2", "theta_3", )),
+            rt.Port("assembly", (3, 1), "1", "-", "signs of the assembly mode, +1 or -1", "stacked", ("assembly", )),
+            rt.Port("side", (), "1", "-", "+1 for the side of type II where the first margin is positive, or -1", "shared", ()),
+        ),
+        (
+            rt.Port("passive", (3, 3), "rad", "joint", "passive joints within the sub-leg", "stacked", ("crank_1", "crank_2", "rod", )),
+            rt.Port("spherical", (3, 3, 3), "1", "joint", "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)", "stacked", ()),
+            rt.Port("platform_joint", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "stacked", ()),
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_t, signed", "shared", ()),
+        ),
+        "(3,3),(3,1),()->(3,3),(3,3,3),(3),(3),(3,3),(3),()",
+    ),
     "forward_encoders_2": rt.Signature(
         "forward_encoders_2",
         "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
@@ -677,6 +697,17 @@ class Forward(NamedTuple):
     redundant: Any
     count: Any
     certified: Any
+
+
+class PassiveJointsOfTheta(NamedTuple):
+    """Results of `passive_joints_of_theta`."""
+
+    passive: Any
+    spherical: Any
+    platform_joint: Any
+    p: Any
+    Q: Any
+    redundant: Any
 
 
 class ForwardEncoders2(NamedTuple):
@@ -1614,6 +1645,49 @@ def forward(
             ),
         )
     answer = Forward(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def passive_joints_of_theta(
+    theta: Any, assembly: Any = None, side: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Every passive joint from the actuated ones alone, by `forward`; and the pose.
+
+    Thesis: 3.2, 3.6.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [d, theta_2, theta_3]
+        assembly (..., 3, 1): signs of the assembly mode, +1 or -1 [assembly], the default
+            unless given
+        side (...): +1 for the side of type II where the first margin is positive, or -1; +1
+            unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        passive (..., 3, 3) [rad]: passive joints within the sub-leg [crank_1, crank_2, rod]
+        spherical (..., 3, 3, 3): spherical joint at S_i as a rotation: redundant link (x from
+            S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
+        platform_joint (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        redundant (..., 3) [m]: slide d_i of S_i along t_i = e_t, signed
+    """
+    if assembly is None:
+        assembly = (ASSEMBLIES[DEFAULT_ASSEMBLY],) * 3
+    if side is None:
+        side = 1.0
+    code: Any = np.int32(0)
+    (p, Q, redundant, _count, _certified), here = forward(
+        theta, assembly, side, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    s, here = end_points(p, Q, redundant, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    (passive, spherical, platform_joint), here = passive_joints(
+        p, Q, s, theta, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    results = [passive, spherical, platform_joint, p, Q, redundant, code[()]]
+    answer = PassiveJointsOfTheta(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -49,6 +49,7 @@ __all__ = [
     "joint_rates",
     "link_points",
     "passive_joints",
+    "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
     "rotation_error",
@@ -559,6 +560,24 @@ SIGNATURES = {
         ),
         "(3,3),(1),()->(3),(3,3),(),(),()",
     ),
+    "passive_joints_of_theta": rt.Signature(
+        "passive_joints_of_theta",
+        "Every passive joint from the actuated ones alone, by `forward`; and the pose.",
+        "3.2, 3.6",
+        (
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("d", "theta_2", "theta_3", )),
+            rt.Port("box", (3, 2), "rad", "joint", "the least and the largest redundant angle of the answer; an angle is given with the full turns that bring it there", "stacked", ()),
+            rt.Port("turned", (), "1", "-", "+1 for the platform that sees S_1, S_2, S_3 go round z' in the order of its legs, -1 for the one turned over", "shared", ()),
+        ),
+        (
+            rt.Port("spherical", (3, 3, 3), "1", "joint", "spherical joint at S_i as a rotation: redundant link (x from S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)", "stacked", ()),
+            rt.Port("platform_joint", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "stacked", ()),
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("redundant", (3,), "rad", "joint", "angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'", "shared", ()),
+        ),
+        "(3,3),(3,2),()->(3,3,3),(3),(3),(3,3),(3),()",
+    ),
     "forward_encoders_2": rt.Signature(
         "forward_encoders_2",
         "The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and made a rotation.",
@@ -713,6 +732,16 @@ class ForwardEncoders1(NamedTuple):
     Q: Any
     mismatch: Any
     other_mismatch: Any
+
+
+class PassiveJointsOfTheta(NamedTuple):
+    """Results of `passive_joints_of_theta`."""
+
+    spherical: Any
+    platform_joint: Any
+    p: Any
+    Q: Any
+    redundant: Any
 
 
 class ForwardEncoders2(NamedTuple):
@@ -1717,6 +1746,48 @@ def forward_encoders_1(
             ),
         )
     answer = ForwardEncoders1(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def passive_joints_of_theta(
+    theta: Any, box: Any = None, turned: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Every passive joint from the actuated ones alone, by `forward`; and the pose.
+
+    Thesis: 3.2, 3.6.
+
+    Args:
+        theta (..., 3, 3) [rad or m]: actuated joints [d, theta_2, theta_3]
+        box (..., 3, 2) [rad]: the least and the largest redundant angle of the answer; an angle
+            is given with the full turns that bring it there, the default unless given
+        turned (...): +1 for the platform that sees S_1, S_2, S_3 go round z' in the order of
+            its legs, -1 for the one turned over; +1 unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        spherical (..., 3, 3, 3): spherical joint at S_i as a rotation: redundant link (x from
+            S_i, z = q_z) seen from the sub-leg's last link (x towards S_i, z = e_2)
+        platform_joint (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant
+            link, clockwise from +z'
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        redundant (..., 3) [rad]: angle beta_i at B_i from the inward ray to the redundant link,
+            clockwise from +z'
+    """
+    if box is None:
+        box = DEFAULT_BOX
+    if turned is None:
+        turned = 1.0
+    code: Any = np.int32(0)
+    (p, Q, redundant, _count, _certified), here = forward(theta, box, turned, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    s, here = end_points(p, Q, redundant, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    (spherical, platform_joint), here = passive_joints(p, Q, s, theta, geometry=geometry, status=True)
+    code = np.where(code == 0, here, code)
+    results = [spherical, platform_joint, p, Q, redundant, code[()]]
+    answer = PassiveJointsOfTheta(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -239,8 +239,23 @@ class Guard:
 
 
 @dataclass(frozen=True)
+class Step:
+    """One of a robot's functions, called by another that is a sequence of them.
+
+    `inputs` names the variable for each input that is not called like it; outputs keep their names.
+    """
+
+    function: str
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+    def variable_in(self, port: str) -> str:
+        """The variable that an input reads."""
+        return self.inputs.get(port, port)
+
+
+@dataclass(frozen=True)
 class RobotFunction:
-    """One function of a robot, the same for all targets."""
+    """One function of a robot, the same for all targets: calls of kernels, or a sequence of functions."""
 
     name: str
     doc: str
@@ -249,6 +264,13 @@ class RobotFunction:
     outputs: tuple[Port, ...]
     calls: tuple[Call, ...]
     guards: tuple[Guard, ...] = ()
+    steps: tuple[Step, ...] = ()
+    """Functions of the robot that it calls in this order; the first status that is not OK is its own."""
+
+    @property
+    def chooses(self) -> bool:
+        """Whether it is the procedure that chooses among inverse solutions, which templates hold."""
+        return not self.calls and not self.steps
 
     @property
     def procedure(self) -> bool:
@@ -274,8 +296,10 @@ class RobotFunction:
         return found | ({guard.variable for guard in self.guards} if guards else set())
 
     def uses_geometry(self, parts: Mapping[str, Part]) -> bool:
-        """Whether any of its kernels reads the geometry."""
-        return any(parts[call.part].kernel(call.kernel).geometry is not None for call in self.calls)
+        """Whether any of its kernels reads the geometry; sequences hand it on."""
+        return bool(self.steps) or any(
+            parts[call.part].kernel(call.kernel).geometry is not None for call in self.calls
+        )
 
     @property
     def signature(self) -> str:
@@ -397,17 +421,27 @@ class RobotCode:
                 return entry
         raise KeyError(f"{self.identifier} has no function {name!r}")
 
+    def finds_roots(self, function: RobotFunction) -> bool:
+        """Whether a function, or one that it calls, is called at the roots of a polynomial."""
+        steps = (self.function(step.function) for step in function.steps)
+        return function.each is not None or any(self.finds_roots(step) for step in steps)
+
     def operations(self, function: RobotFunction) -> OperationCount:
         """Operations of one call: leg kernels count three times, those at roots as often as there can be."""
         total = OperationCount()
         for call in function.calls:
             times = _times(call)
             total = total + self.parts[call.part].kernel(call.kernel).operations * times
+        for step in function.steps:
+            total = total + self.operations(self.function(step.function))
         return total
 
     def written(self, function: RobotFunction) -> int:
         """Operations of one call as the formulas were written."""
-        return sum(self.parts[call.part].written[call.kernel] * _times(call) for call in function.calls)
+        steps = sum(self.written(self.function(step.function)) for step in function.steps)
+        return steps + sum(
+            self.parts[call.part].written[call.kernel] * _times(call) for call in function.calls
+        )
 
 
 def _times(call: Call) -> int:

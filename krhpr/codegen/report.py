@@ -49,7 +49,7 @@ def summary(robots: Sequence[RobotCode], printed: Sequence[File]) -> list[dict[s
     lines = {file.path: file.text.count("\n") for file in printed}
     rows = []
     for robot in robots:
-        functions = [function for function in robot.functions if function.calls]
+        functions = [function for function in robot.functions if not function.chooses]
         own = [path for path in lines if path.rsplit("/", 1)[-1].split(".")[0] in _stems(robot)]
         rows.append(
             {
@@ -81,7 +81,7 @@ def _operations(robots: Sequence[RobotCode], parts: Iterable[Part]) -> str:
     functions = {}
     for robot in robots:
         for function in robot.functions:
-            if function.calls:
+            if not function.chooses:
                 count = robot.operations(function)
                 functions[f"{robot.identifier}.{function.name}"] = {
                     "written": robot.written(function),

@@ -56,7 +56,7 @@ def _blame(
 ) -> str:
     """Where two targets differ, and how far each is from the derivation."""
     text = f"{name} at sample {index} (seed {check.seed})"
-    if function.each is not None:
+    if batch.subject.code.finds_roots(function):
         return text
     truth = true_values(batch, function, index)
     port = next(port for port in function.outputs if port.name == name)

@@ -76,6 +76,20 @@ class Check:
     name: str
     also: tuple[str, ...] = ()
     shared: str = ""
+    same_text: str = ""
+    """The part whose kernels alone a robot's function calls: robots that share the part have the same text of
+    the function, but for their names, and share the result too.
+    """
+
+    @property
+    def subject(self) -> str:
+        """What the check is about: a part, or the robot."""
+        return self.shared or self.same_text or self.robot
+
+    @property
+    def once(self) -> tuple[str, ...]:
+        """What checks of several robots that are one have in common."""
+        return self.subject, self.kind, self.name, self.function, self.target
 
     @property
     def identifier(self) -> str:
@@ -87,8 +101,7 @@ class Check:
         """Where random numbers of this check start; the same on every machine, and for all robots that
         share it.
         """
-        subject = self.shared or self.robot
-        return crc32(f"{subject}/{self.kind}/{self.name}/{self.function}".encode())
+        return crc32(f"{self.subject}/{self.kind}/{self.name}/{self.function}".encode())
 
     @property
     def compiles(self) -> bool:

@@ -171,7 +171,14 @@ def derivation(
     subject: Subject, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
 ) -> Outputs:
     """A function by the derivation; procedures by their definition."""
-    if function.calls:
+    if function.steps:
+        found = dict(inputs)
+        for step in function.steps:
+            called = subject.code.function(step.function)
+            given = {port.name: found[step.variable_in(port.name)] for port in called.inputs}
+            found |= derivation(subject, called, given, geometry, arithmetic)
+        return {port.name: list(found[port.name]) for port in function.outputs}
+    if not function.chooses:
         return subject.function(function, inputs, geometry, arithmetic)
     return {"theta": nearest_mode(subject, inputs, geometry, arithmetic)}
 

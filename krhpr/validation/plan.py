@@ -166,7 +166,7 @@ def _passes(robot: RobotCode) -> Iterator[Check]:
 
 def _identity(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
-        if function.each is not None:
+        if robot.finds_roots(function):
             continue  # its kernels' texts are checked one by one, and what it finds against what is known
         balls = needs_balls(robot, function)
         for target in PRINTED:
@@ -181,6 +181,7 @@ def _identity(robot: RobotCode) -> Iterator[Check]:
                 FEW if balls else Samples(3, 20),
                 _identity_statement(function),
                 "printed text",
+                same_text=_only_platform(robot, function),
             )
     for key, part in robot.parts.items():
         for kernel in part.kernels:
@@ -210,6 +211,12 @@ def _identity(robot: RobotCode) -> Iterator[Check]:
         )
 
 
+def _only_platform(robot: RobotCode, function: RobotFunction) -> str:
+    """The platform's part, where a function calls no kernel of the sub-leg."""
+    parts = {call.part for call in function.calls}
+    return robot.platform.name if parts and "subleg" not in parts else ""
+
+
 def _identity_statement(function: RobotFunction) -> str:
     text = "The printed text equals the derivation"
     names = {port.name for port in function.inputs}
@@ -217,7 +224,7 @@ def _identity_statement(function: RobotFunction) -> str:
         text += ", in every working mode"
     if "assembly" in names:
         text += ", in every assembly mode"
-    if not function.calls:
+    if function.chooses:
         text += ": the nearest of all modes, with full turns added"
     return text + "."
 
@@ -231,16 +238,17 @@ def _agreement(robot: RobotCode) -> Iterator[Check]:
                     robot.identifier,
                     function.name,
                     target,
-                    ROUNDING if function.each is None else ROOTS,
+                    ROOTS if robot.finds_roots(function) else ROUNDING,
                     Samples(60, 2000),
                     f"{target} and NumPy agree; where they do not, a ball evaluation says which one is off.",
                     "against NumPy",
+                    same_text=_only_platform(robot, function),
                 )
 
 
 def _digits(robot: RobotCode) -> Iterator[Check]:
     for function in robot.functions:
-        if function.each is not None:
+        if robot.finds_roots(function):
             continue
         for target in PRINTED:
             if target is not Target.CASADI or not function.procedure:
@@ -253,6 +261,7 @@ def _digits(robot: RobotCode) -> Iterator[Check]:
                     Samples(4, 60),
                     "The result in doubles against the derivation in 300-bit balls.",
                     "error of doubles",
+                    same_text=_only_platform(robot, function),
                 )
 
 

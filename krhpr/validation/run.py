@@ -219,11 +219,8 @@ def run(
 
 def _once(subject: Subject, check: Check, size: str, shared: dict[tuple[str, ...], Result]) -> Result:
     """A check, or the result that another robot with the same part has had."""
-    if not check.shared:
-        return carry_out(subject, check, size)
-    key = (check.shared, check.kind, check.name, check.function)
-    if key not in shared:
-        shared[key] = carry_out(subject, check, size)
-        return shared[key]
-    earlier = shared[key]
+    if check.once not in shared:
+        shared[check.once] = carry_out(subject, check, size)
+        return shared[check.once]
+    earlier = shared[check.once]
     return Result(check, earlier.state, earlier.worst, earlier.samples, 0.0, earlier.remark)

@@ -44,7 +44,7 @@ CPP_CONFORMANCE = tuple(
     "-std=c++17" if flag == "-std=c99" else flag for flag in CONFORMANCE if not flag.endswith("-prototypes")
 )
 
-OPTIONAL = ("mode", "assembly")
+OPTIONAL = ("mode", "assembly", "box")
 """Inputs that may be NULL."""
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 
 from krhpr.validation.check import Kind
@@ -9,17 +11,19 @@ from krhpr.validation.outcome import State
 from tests.validation.support import IDENTIFIERS, carried_out, failures, planned
 
 
+@cache
+def first_robots(kind: Kind) -> dict[tuple[str, ...], str]:
+    """The robot at which a check that several share is carried out."""
+    return {
+        check.once: identifier for identifier in reversed(IDENTIFIERS) for check in planned(identifier, kind)
+    }
+
+
 @pytest.mark.parametrize("kind", [kind for kind in Kind if kind is not Kind.PROOF])
 @pytest.mark.parametrize("identifier", IDENTIFIERS)
 def test_the_plan_holds(identifier: str, kind: Kind, full: bool) -> None:
-    checks = planned(identifier, kind)
-    if kind is Kind.PASSES:  # a part's kernels once
-        first = {
-            check.shared: identifier
-            for identifier in reversed(IDENTIFIERS)
-            for check in planned(identifier, kind)
-        }
-        checks = tuple(check for check in checks if first[check.shared] == identifier)
+    first = first_robots(kind)
+    checks = [check for check in planned(identifier, kind) if first[check.once] == identifier]
     results = carried_out(identifier, list(checks), full)
     assert not failures(results)
     left_out = {result.remark for result in results if result.state is State.NOT_RUN}

@@ -20,6 +20,7 @@ from krhpr.codegen.targets.c_kernels import (
     positive_fields,
 )
 from krhpr.codegen.targets.c_limits import limits_view
+from krhpr.codegen.targets.c_sequence import sequence_view
 
 
 class CTarget:
@@ -61,6 +62,7 @@ class CTarget:
             "robot": robot,
             "functions": functions,
             "near": near,
+            "sequences": [sequence_view(robot, function) for function in robot.functions if function.steps],
             "near_batch_arguments": [] if near is None else batch_arguments(near),
             "subleg_fields": field_names(robot.subleg),
             "platform_fields": field_names(robot.platform),

@@ -154,13 +154,33 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
         "names": [port.name for port in function.inputs],
         "names_of_all": [port.name for port in function.inputs if port.name != "theta_near"],
         "optional": [(name, optional[name]) for name in present],
-        "nearest": not function.calls,
+        "nearest": function.chooses,
+        "steps": _steps(robot, function),
         "uses_geometry": function.uses_geometry(robot.parts),
         "input_docs": [python_port(port) + _default_remark(port.name, optional) for port in function.inputs],
         "output_docs": [python_port(port) for port in function.outputs],
         "calls": [_call(robot, call, known, read) for call in function.calls],
         "guards": [_guard(guard, known, function) for guard in function.guards],
     }
+
+
+def _steps(robot: RobotCode, function: RobotFunction) -> list[str]:
+    """Calls of other functions, each with its results and its status."""
+    wanted = {port.name for port in function.outputs}
+    wanted |= {
+        step.variable_in(port.name)
+        for step in function.steps
+        for port in robot.function(step.function).inputs
+    }
+    calls = []
+    for step in function.steps:
+        called = robot.function(step.function)
+        names = [port.name if port.name in wanted else f"_{port.name}" for port in called.outputs]
+        results = f"({', '.join(names)})" if len(names) > 1 else names[0]
+        arguments = [step.variable_in(port.name) for port in called.inputs]
+        arguments += ([] if robot.baked else ["geometry=geometry"]) + ["status=True"]
+        calls.append(broken(f"{results}, here = {called.name}", arguments, indent=4))
+    return calls
 
 
 def _default_remark(name: str, optional: Mapping[str, str]) -> str:

@@ -61,9 +61,7 @@ def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
 
 def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     """Each leg in the assembly mode that leads to its end point."""
-    side = np.sign(call(one, batch, "type_2_of_redundant")["margins"][:, 0])
-    assembly = _assembly(one, batch)
-    whole = batch.changed(side=side, **assembly)
+    whole = _known_branch(one, batch)
     result = call(one, whole, "forward")
     found.worse((result["count"] < 1).astype(float), "count")
     if "box" in {port.name for port in one.subject.code.function("forward").inputs}:
@@ -72,6 +70,22 @@ def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
         found.worse(outside.astype(float), "a redundant angle is outside the box")
     growth = condition(one.subject.code.function("forward"), whole, found.check.seed)
     found.worse(_distance(batch, result) / growth, "pose")
+
+
+def passive_of_actuated(one: Numeric, batch: Batch, found: Measured) -> None:
+    """The passive joints that `passive_joints` gives at the pose."""
+    whole = _known_branch(one, batch)
+    result, wanted = call(one, whole, "passive_joints_of_theta"), call(one, batch, "passive_joints")
+    growth = condition(one.subject.code.function("passive_joints_of_theta"), whole, found.check.seed)
+    for port in one.subject.code.function("passive_joints").outputs:
+        error = relative(port, result[port.name], wanted[port.name]).reshape(len(batch), -1)
+        found.worse(error / growth[:, None], port.name)
+
+
+def _known_branch(one: Numeric, batch: Batch) -> Batch:
+    """The side of type II and the assembly modes that lead back to the pose."""
+    side = np.sign(call(one, batch, "type_2_of_redundant")["margins"][:, 0])
+    return batch.changed(side=side, **_assembly(one, batch))
 
 
 def _assembly(one: Numeric, batch: Batch) -> dict[str, Floats]:
@@ -104,4 +118,5 @@ def _distance(batch: Batch, result: dict[str, Floats]) -> Floats:
 RUNNERS: dict[str, Runner] = {
     "assembly modes": runner(assembly_modes),
     "pose after inverse": runner(forward_after_inverse),
+    "passive joints of the actuated ones": runner(passive_of_actuated),
 }

@@ -139,6 +139,14 @@ INVARIANTS = (
         ("forward_all",),
     ),
     Rule(
+        "passive joints of the actuated ones",
+        "passive_joints_of_theta",
+        ROUND_TRIP,
+        BATCH,
+        "From the actuated joints alone come the passive joints at the pose.",
+        ("passive_joints",),
+    ),
+    Rule(
         "singular configurations",
         "twist",
         EXACT,
