@@ -18,7 +18,14 @@ from krhpr.codegen.composition import (
     Step,
 )
 from krhpr.codegen.kernel import Frame, Port, Unit
-from krhpr.derivations.platforms.encoders import MISMATCH, OTHER, TOLERANCE, WEIGHTS, measured_port, raw_port
+from krhpr.derivations.platforms.encoders import (
+    MISMATCH,
+    MISMATCHES,
+    TOLERANCE,
+    WEIGHTS,
+    measured_port,
+    raw_port,
+)
 from krhpr.derivations.platforms.forward import BOX, CERTIFIED, SIDE, TURNED, forward_ports
 from krhpr.derivations.platforms.forward_newton import KANTOROVICH, STATE, near_ports
 from krhpr.derivations.platforms.forward_revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
@@ -220,20 +227,19 @@ class ForwardFunctions(FunctionsOf):
         )
 
     def _forward_one_encoder(self) -> RobotFunction:
-        ports = forward_ports(self.robot.space, self.plate.redundant, 0)
+        ports = forward_ports(self.robot.space, self.plate.redundant, 2)
         return self._function(
             "forward_encoders_1",
-            "The pose with an encoder at the first redundant joint: of two solutions the one that fits the "
-            "third link's length.",
+            "Both poses with an encoder at the first redundant joint, first the one that fits the third "
+            "link's length better; where the other is within the tolerance too, they cannot be told apart.",
             "3.2.3",
             (self.leg.s, measured_port(self.plate.redundant, 1), TOLERANCE),
-            (ports.p, ports.orientation, MISMATCH, OTHER),
+            (ports.p, ports.orientation, MISMATCHES),
             (*self._measured(1), Call(Stage.PLATFORM, "platform", "one_encoder", {}, {})),
             (
                 *self._flat(),
                 Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.INCONSISTENT),
-                Guard("agreement", 0, Relation.AT_LEAST, 0.0, Status.INCONSISTENT),
-                Guard("apart", 0, Relation.AT_LEAST, 0.0, Status.AMBIGUOUS),
+                self._agreement(),
             ),
         )
 

@@ -550,9 +550,10 @@ class Robot:
         """The pose with encoders at the redundant joints of the first one, two or three legs: approaches
         three to five, as many as `measured` (..., 1 to 3) has; arrangements (b) and (c) need two.
 
-        One encoder gives (p, Q, mismatch, other_mismatch), two or three (p, Q, raw, mismatch), with `raw` the
-        orientation before it is made a rotation.  The status is INCONSISTENT where the mismatch is larger
-        than `tolerance`, in metres; AMBIGUOUS where both solutions of one encoder are within it.
+        One encoder gives (p, Q, mismatch) of two solutions, along a first core axis: first the one that fits
+        better.  Two or three give (p, Q, raw, mismatch), with `raw` the orientation before it is made a
+        rotation.  The status is INCONSISTENT where the (smaller) mismatch is larger than `tolerance`, in
+        metres.
         """
         function = f"forward_encoders_{self._count(measured)}"
         given = NUMBERS["tolerance"][0] if tolerance is None else tolerance

@@ -15,6 +15,7 @@ encoders of arrangements (b) and (c) just the same.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -37,9 +38,8 @@ TOLERANCE = Port("tolerance", (), Unit.METRE, Frame.NONE, "by how much encoders 
 MISMATCH = Port(
     "mismatch", (), Unit.METRE, Frame.NONE, "by how much distances of end points, or the third link, disagree"
 )
-OTHER = Port("other_mismatch", (), Unit.METRE, Frame.NONE, "the same for the solution that is not given")
+MISMATCHES = replace(MISMATCH, shape=(2,), doc="by how much the third link's length disagrees")
 AGREEMENT = Port("agreement", (1,), Unit.METRE, Frame.NONE, "not negative within the tolerance")
-APART = Port("apart", (1,), Unit.METRE, Frame.NONE, "positive where the other solution is out of tolerance")
 REAL = Port("radicand", (1,), Unit.NONE, Frame.NONE, "not negative where the second link reaches")
 WEIGHTS = Port(
     "weights",
@@ -142,13 +142,16 @@ def _one(plate: Platform) -> Kernel:
     # +1 where the first fits better, without a branch
     gap = k.let("gap", misses[1] - misses[0])
     sign = k.let("sign", gap / k.absolute(gap))
-    cosine, sine = (k.let(part, x) for part, x in zip(("cos", "sin"), turn(sign), strict=True))
-    _write_pose(k, plate, plane, cosine, sine, -turned(cosine, sine, hold.ends[0]))
+    poses = []
+    for name, side in (("best", sign), ("other", -sign)):
+        cosine, sine = (
+            k.let(f"{part}_{name}", x) for part, x in zip(("cos", "sin"), turn(side), strict=True)
+        )
+        poses.append((cosine, sine, -turned(cosine, sine, hold.ends[0])))
+    _write_poses(k, plate, plane, poses, several=True)
     best, other = k.minimum(*misses), k.maximum(*misses)
-    k.add_output(MISMATCH, best)
-    k.add_output(OTHER, other)
+    k.add_output(MISMATCHES, [best, other])
     k.add_output(AGREEMENT, [tolerance - best])
-    k.add_output(APART, [other - tolerance])
     return k.kernel()
 
 
@@ -242,7 +245,8 @@ def _pose(plate: Platform) -> Kernel:
     x, y = state[0:2, 0], state[2:4, 0]
     norm = k.let("norm", 1 / sp.sqrt(dot(x, x)))
     # (3.34) to (3.36): in the plane q_y follows from q_x
-    _write_pose(k, plate, plane, k.let("cos", x[0] * norm), k.let("sin", x[1] * norm), state[4:6, 0])
+    pose = k.let("cos", x[0] * norm), k.let("sin", x[1] * norm), state[4:6, 0]
+    _write_poses(k, plate, plane, [pose], several=False)
     raw = sp.Matrix.hstack(x, y)
     if plane.axes is not None:
         raw = sp.Matrix.hstack(plane.axes[:, :2] * raw, plane.axes.col(2))
@@ -259,12 +263,19 @@ def _rows(k: KernelWriter, port: Port) -> list[sp.Matrix]:
     return [whole.row(i).T for i in range(port.shape[0])]
 
 
-def _write_pose(
-    k: KernelWriter, plate: Platform, plane: Plane, cosine: Any, sine: Any, position: sp.Matrix
+def _write_poses(
+    k: KernelWriter,
+    plate: Platform,
+    plane: Plane,
+    poses: Sequence[tuple[Any, Any, sp.Matrix]],
+    *,
+    several: bool,
 ) -> None:
-    ports = forward_ports(plate.space, plate.ports().redundant, 0)
-    k.add_output(ports.p, plane.position(position))
+    """The poses of angles and positions in the plane."""
+    ports = forward_ports(plate.space, plate.ports().redundant, len(poses) if several else 0)
+    k.add_output(ports.p, [entry for _, _, position in poses for entry in plane.position(position)])
     if plane.axes is None:
-        k.add_output(ports.orientation, k.atan2(sine, cosine))
+        k.add_output(ports.orientation, [k.atan2(sine, cosine) for cosine, sine, _ in poses])
     else:
-        k.add_output(ports.orientation, plane.orientation(cosine, sine))
+        turns = [entry for cosine, sine, _ in poses for entry in plane.orientation(cosine, sine)]
+        k.add_output(ports.orientation, turns)

@@ -458,21 +458,19 @@ KRHPR_API int krhpr_planar_pp_a_forward_newton_batch(
     const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
-/* The pose with an encoder at the first redundant joint: of two solutions the one that fits the third
- * link's length.  Thesis: 3.2.3.
+/* Both poses with an encoder at the first redundant joint, first the one that fits the third link's length
+ * better; where the other is within the tolerance too, they cannot be told apart.  Thesis: 3.2.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   in     measured (1, rad, joint frame): redundant coordinates measured at leg 1
  *   in     tolerance (scalar, m): by how much encoders and end points may disagree
- *   out    p (2, m, base frame): position of O'
- *   out    phi (scalar, rad, base frame): orientation, base from platform
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
- *   out    other_mismatch (scalar, m): the same for the solution that is not given
+ *   out    p (2 x 2, m, base frame): position of O', NaN behind the last
+ *   out    phi (2, rad, base frame): orientation, base from platform, NaN behind the last
+ *   out    mismatch (2, m): by how much the third link's length disagrees
  */
 KRHPR_API int krhpr_planar_pp_a_forward_encoders_1(
     const krhpr_planar_pp_a_geometry *g, const double s[6], const double measured[1], double tolerance,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch,
-    double *KRHPR_RESTRICT other_mismatch);
-/* Batch: in = s (6), measured (1), tolerance (1); out = p (2), phi (1), mismatch (1), other_mismatch (1); steps count doubles (status: ints)
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch);
+/* Batch: in = s (6), measured (1), tolerance (1); out = p (4), phi (2), mismatch (2); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_planar_pp_a_forward_encoders_1_batch(
     const krhpr_planar_pp_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],

@@ -1510,8 +1510,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_newton_batch(
 
 KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1(
     const krhpr_planar_rrr_a_geometry *g, const double s[6], const double measured[1], double tolerance,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch,
-    double *KRHPR_RESTRICT other_mismatch)
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch)
 {
     int status = KRHPR_OK;
     double turns[2];
@@ -1520,12 +1519,10 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1(
     double arm[6];
     double radicand[1];
     double agreement[1];
-    double apart[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
-        krhpr_fill_nan(p, 2);
-        krhpr_fill_nan(phi, 1);
-        krhpr_fill_nan(mismatch, 1);
-        krhpr_fill_nan(other_mismatch, 1);
+        krhpr_fill_nan(p, 4);
+        krhpr_fill_nan(phi, 2);
+        krhpr_fill_nan(mismatch, 2);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(1)] = {0.0};
@@ -1533,33 +1530,29 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1(
     double cosine[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_1_angles(measured, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(1)] = {0.0};
-    double tail_x[KRHPR_PADDED(1)] = {0.0};
-    double tail[KRHPR_PADDED(1)];
+    double tail_y[KRHPR_PADDED(2)] = {0.0};
+    double tail_x[KRHPR_PADDED(2)] = {0.0};
+    double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
         krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
-        s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, other_mismatch, agreement, apart,
-        tail_y, tail_x);
-    krhpr_atan2_array(1, tail_y, tail_x, tail);
-    *phi = tail[0];
+        s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
+    krhpr_atan2_array(2, tail_y, tail_x, tail);
+    phi[0] = tail[0];
+    phi[1] = tail[1];
     if (!(radicand[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
-    if (!(apart[0] >= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_AMBIGUOUS : status;
-    }
     if (status != KRHPR_OK) {
-        krhpr_fill_nan(p, 2);
-        krhpr_fill_nan(phi, 1);
-        krhpr_fill_nan(mismatch, 1);
-        krhpr_fill_nan(other_mismatch, 1);
+        krhpr_fill_nan(p, 4);
+        krhpr_fill_nan(phi, 2);
+        krhpr_fill_nan(mismatch, 2);
     }
     return status;
 }
@@ -1572,8 +1565,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

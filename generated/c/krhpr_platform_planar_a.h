@@ -832,13 +832,13 @@ static inline void krhpr_platform_planar_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (45 add, 46 multiply, 2
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (50 add, 50 multiply, 2
  * divide, 3 square root, 5 select) */
 static inline void krhpr_platform_planar_a_one_encoder(
     const double s[6], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT other_mismatch, double *KRHPR_RESTRICT agreement,
-    double *KRHPR_RESTRICT apart, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
     const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
     const double e_1_1 = anchor[1] + turns[1] * arm[0] - turns[0] * arm[1];
@@ -877,19 +877,25 @@ static inline void krhpr_platform_planar_a_one_encoder(
     const double t8 = fabs(miss_minus);
     const double gap = t8 - t7;
     const double sign = gap / fabs(gap);
-    const double cos = t3 - t4 * sign;
-    const double sin = t5 + t6 * sign;
-    const double mismatch_a = krhpr_min(t7, t8);
-    const double other_mismatch_a = krhpr_max(t7, t8);
+    const double t9 = t4 * sign;
+    const double cos_best = t3 - t9;
+    const double t10 = t6 * sign;
+    const double sin_best = t5 + t10;
+    const double cos_other = t3 + t9;
+    const double sin_other = t5 - t10;
+    const double mismatch_0 = krhpr_min(t7, t8);
     radicand[0] = radicand_a;
-    p[0] = s[0] + e_1_1 * sin - e_1_0 * cos;
-    p[1] = s[1] - e_1_1 * cos - e_1_0 * sin;
-    *mismatch = mismatch_a;
-    *other_mismatch = other_mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
-    apart[0] = other_mismatch_a - tolerance;
-    tail_y[0] = sin;
-    tail_x[0] = cos;
+    p[0] = s[0] + e_1_1 * sin_best - e_1_0 * cos_best;
+    p[1] = s[1] - e_1_1 * cos_best - e_1_0 * sin_best;
+    p[2] = s[0] + e_1_1 * sin_other - e_1_0 * cos_other;
+    p[3] = s[1] - e_1_1 * cos_other - e_1_0 * sin_other;
+    mismatch[0] = mismatch_0;
+    mismatch[1] = krhpr_max(t7, t8);
+    agreement[0] = tolerance - mismatch_0;
+    tail_y[0] = sin_best;
+    tail_y[1] = sin_other;
+    tail_x[0] = cos_best;
+    tail_x[1] = cos_other;
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,

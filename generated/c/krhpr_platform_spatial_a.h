@@ -1062,13 +1062,13 @@ static inline void krhpr_platform_spatial_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (78 add, 105 multiply, 5
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 127 multiply, 5
  * divide, 5 square root, 5 select) */
 static inline void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch,
-    double *KRHPR_RESTRICT other_mismatch, double *KRHPR_RESTRICT agreement, double *KRHPR_RESTRICT apart)
+    double *KRHPR_RESTRICT agreement)
 {
     const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
     const double e_1_1 = anchor[1] + turns[1] * arm[0] - turns[0] * arm[1];
@@ -1132,30 +1132,46 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     const double t10 = fabs(miss_minus);
     const double gap = t10 - t9;
     const double sign = gap / fabs(gap);
-    const double cos = t5 - t6 * sign;
-    const double sin = t7 + t8 * sign;
-    const double t11 = e_1_1 * sin - e_1_0 * cos;
-    const double t12 = e_1_1 * cos + e_1_0 * sin;
-    const double mismatch_a = krhpr_min(t9, t10);
-    const double other_mismatch_a = krhpr_max(t9, t10);
+    const double t11 = t6 * sign;
+    const double cos_best = t5 - t11;
+    const double t12 = t8 * sign;
+    const double sin_best = t7 + t12;
+    const double cos_other = t5 + t11;
+    const double sin_other = t7 - t12;
+    const double t13 = e_1_1 * sin_best - e_1_0 * cos_best;
+    const double t14 = e_1_1 * cos_best + e_1_0 * sin_best;
+    const double t15 = e_1_1 * sin_other - e_1_0 * cos_other;
+    const double t16 = e_1_1 * cos_other + e_1_0 * sin_other;
+    const double mismatch_0 = krhpr_min(t9, t10);
     flatness[0] = flatness_0;
     radicand[0] = radicand_a;
-    p[0] = s[0] + x_1_0 * t11 - y_1_0 * t12;
-    p[1] = s[1] + x_1_1 * t11 - y_1_1 * t12;
-    p[2] = s[2] + x_1_2 * t11 - y_1_2 * t12;
-    Q[0] = x_1_0 * cos + y_1_0 * sin;
-    Q[1] = y_1_0 * cos - x_1_0 * sin;
+    p[0] = s[0] + x_1_0 * t13 - y_1_0 * t14;
+    p[1] = s[1] + x_1_1 * t13 - y_1_1 * t14;
+    p[2] = s[2] + x_1_2 * t13 - y_1_2 * t14;
+    p[3] = s[0] + x_1_0 * t15 - y_1_0 * t16;
+    p[4] = s[1] + x_1_1 * t15 - y_1_1 * t16;
+    p[5] = s[2] + x_1_2 * t15 - y_1_2 * t16;
+    Q[0] = x_1_0 * cos_best + y_1_0 * sin_best;
+    Q[1] = y_1_0 * cos_best - x_1_0 * sin_best;
     Q[2] = z_1_0;
-    Q[3] = x_1_1 * cos + y_1_1 * sin;
-    Q[4] = y_1_1 * cos - x_1_1 * sin;
+    Q[3] = x_1_1 * cos_best + y_1_1 * sin_best;
+    Q[4] = y_1_1 * cos_best - x_1_1 * sin_best;
     Q[5] = z_1_1;
-    Q[6] = x_1_2 * cos + y_1_2 * sin;
-    Q[7] = y_1_2 * cos - x_1_2 * sin;
+    Q[6] = x_1_2 * cos_best + y_1_2 * sin_best;
+    Q[7] = y_1_2 * cos_best - x_1_2 * sin_best;
     Q[8] = z_1_2;
-    *mismatch = mismatch_a;
-    *other_mismatch = other_mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
-    apart[0] = other_mismatch_a - tolerance;
+    Q[9] = x_1_0 * cos_other + y_1_0 * sin_other;
+    Q[10] = y_1_0 * cos_other - x_1_0 * sin_other;
+    Q[11] = z_1_0;
+    Q[12] = x_1_1 * cos_other + y_1_1 * sin_other;
+    Q[13] = y_1_1 * cos_other - x_1_1 * sin_other;
+    Q[14] = z_1_1;
+    Q[15] = x_1_2 * cos_other + y_1_2 * sin_other;
+    Q[16] = y_1_2 * cos_other - x_1_2 * sin_other;
+    Q[17] = z_1_2;
+    mismatch[0] = mismatch_0;
+    mismatch[1] = krhpr_max(t9, t10);
+    agreement[0] = tolerance - mismatch_0;
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,

@@ -1426,8 +1426,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_newton_batch(
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1(
     const krhpr_spatial_rrr_a_geometry *g, const double s[9], const double measured[1], double tolerance,
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch,
-    double *KRHPR_RESTRICT other_mismatch)
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch)
 {
     int status = KRHPR_OK;
     double turns[2];
@@ -1437,12 +1436,10 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1(
     double flatness[1];
     double radicand[1];
     double agreement[1];
-    double apart[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
-        krhpr_fill_nan(p, 3);
-        krhpr_fill_nan(Q, 9);
-        krhpr_fill_nan(mismatch, 1);
-        krhpr_fill_nan(other_mismatch, 1);
+        krhpr_fill_nan(p, 6);
+        krhpr_fill_nan(Q, 18);
+        krhpr_fill_nan(mismatch, 2);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(1)] = {0.0};
@@ -1456,8 +1453,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
-        s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, other_mismatch,
-        agreement, apart);
+        s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
@@ -1467,14 +1463,10 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1(
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
-    if (!(apart[0] >= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_AMBIGUOUS : status;
-    }
     if (status != KRHPR_OK) {
-        krhpr_fill_nan(p, 3);
-        krhpr_fill_nan(Q, 9);
-        krhpr_fill_nan(mismatch, 1);
-        krhpr_fill_nan(other_mismatch, 1);
+        krhpr_fill_nan(p, 6);
+        krhpr_fill_nan(Q, 18);
+        krhpr_fill_nan(mismatch, 2);
     }
     return status;
 }
@@ -1487,8 +1479,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_batch(
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;

@@ -565,8 +565,8 @@ def type_2_of_redundant(geometry: Any) -> Any:
 
 
 def forward_encoders_1(geometry: Any) -> Any:
-    """The pose with an encoder at the first redundant joint: of two solutions the one that fits the
-    third link's length."""
+    """Both poses with an encoder at the first redundant joint, first the one that fits the third
+    link's length better; where the other is within the tolerance too, they cannot be told apart."""
     call = rt.Call(
         "forward_encoders_1",
         (
@@ -575,10 +575,9 @@ def forward_encoders_1(geometry: Any) -> Any:
             rt.Port("tolerance", (), "shared"),
         ),
         (
-            rt.Port("p", (2,), "shared"),
-            rt.Port("phi", (), "shared"),
-            rt.Port("mismatch", (), "shared"),
-            rt.Port("other_mismatch", (), "shared"),
+            rt.Port("p", (2, 2), "shared"),
+            rt.Port("phi", (2,), "shared"),
+            rt.Port("mismatch", (2,), "shared"),
         ),
         geometry,
     )
@@ -593,9 +592,9 @@ def forward_encoders_1(geometry: Any) -> Any:
         anchor += anchor_i
         length += length_i
         arm += arm_i
-    _radicand, p, phi, mismatch, other_mismatch, _agreement, _apart = platform.one_encoder(
+    _radicand, p, phi, mismatch, _agreement = platform.one_encoder(
             call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
-    return call.function({"p": p, "phi": phi, "mismatch": mismatch, "other_mismatch": other_mismatch})
+    return call.function({"p": p, "phi": phi, "mismatch": mismatch})
 
 
 def forward_encoders_2(geometry: Any) -> Any:

@@ -906,8 +906,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (45 add, 46
-    multiply, 2 divide, 3 square root, 1 arctangent, 5 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (50 add, 50
+    multiply, 2 divide, 3 square root, 2 arctangent, 5 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -951,32 +951,33 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t8 = ca.fabs(miss_minus)
     gap = t8 - t7
     sign = gap / ca.fabs(gap)
-    cos = t3 - t4 * sign
-    sin = t5 + t6 * sign
-    mismatch_a = ca.fmin(t7, t8)
-    other_mismatch_a = ca.fmax(t7, t8)
+    t9 = t4 * sign
+    cos_best = t3 - t9
+    t10 = t6 * sign
+    sin_best = t5 + t10
+    cos_other = t3 + t9
+    sin_other = t5 - t10
+    mismatch_0 = ca.fmin(t7, t8)
     return (
         (  # radicand
             radicand_a,
         ),
         (  # p
-            s_00 + e_1_1 * sin - e_1_0 * cos,
-            s_01 - e_1_1 * cos - e_1_0 * sin,
+            s_00 + e_1_1 * sin_best - e_1_0 * cos_best,
+            s_01 - e_1_1 * cos_best - e_1_0 * sin_best,
+            s_00 + e_1_1 * sin_other - e_1_0 * cos_other,
+            s_01 - e_1_1 * cos_other - e_1_0 * sin_other,
         ),
         (  # phi
-            ca.atan2(sin, cos),
+            ca.atan2(sin_best, cos_best),
+            ca.atan2(sin_other, cos_other),
         ),
         (  # mismatch
-            mismatch_a,
-        ),
-        (  # other_mismatch
-            other_mismatch_a,
+            mismatch_0,
+            ca.fmax(t7, t8),
         ),
         (  # agreement
-            tolerance - mismatch_a,
-        ),
-        (  # apart
-            other_mismatch_a - tolerance,
+            tolerance - mismatch_0,
         ),
     )
 

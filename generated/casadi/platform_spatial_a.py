@@ -1149,7 +1149,7 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (78 add, 105
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 127
     multiply, 5 divide, 5 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01 = turns
@@ -1219,12 +1219,17 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t10 = ca.fabs(miss_minus)
     gap = t10 - t9
     sign = gap / ca.fabs(gap)
-    cos = t5 - t6 * sign
-    sin = t7 + t8 * sign
-    t11 = e_1_1 * sin - e_1_0 * cos
-    t12 = e_1_1 * cos + e_1_0 * sin
-    mismatch_a = ca.fmin(t9, t10)
-    other_mismatch_a = ca.fmax(t9, t10)
+    t11 = t6 * sign
+    cos_best = t5 - t11
+    t12 = t8 * sign
+    sin_best = t7 + t12
+    cos_other = t5 + t11
+    sin_other = t7 - t12
+    t13 = e_1_1 * sin_best - e_1_0 * cos_best
+    t14 = e_1_1 * cos_best + e_1_0 * sin_best
+    t15 = e_1_1 * sin_other - e_1_0 * cos_other
+    t16 = e_1_1 * cos_other + e_1_0 * sin_other
+    mismatch_0 = ca.fmin(t9, t10)
     return (
         (  # flatness
             flatness_0,
@@ -1233,32 +1238,39 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             radicand_a,
         ),
         (  # p
-            s_00 + x_1_0 * t11 - y_1_0 * t12,
-            s_01 + x_1_1 * t11 - y_1_1 * t12,
-            s_02 + x_1_2 * t11 - y_1_2 * t12,
+            s_00 + x_1_0 * t13 - y_1_0 * t14,
+            s_01 + x_1_1 * t13 - y_1_1 * t14,
+            s_02 + x_1_2 * t13 - y_1_2 * t14,
+            s_00 + x_1_0 * t15 - y_1_0 * t16,
+            s_01 + x_1_1 * t15 - y_1_1 * t16,
+            s_02 + x_1_2 * t15 - y_1_2 * t16,
         ),
         (  # Q
-            x_1_0 * cos + y_1_0 * sin,
-            y_1_0 * cos - x_1_0 * sin,
+            x_1_0 * cos_best + y_1_0 * sin_best,
+            y_1_0 * cos_best - x_1_0 * sin_best,
             z_1_0,
-            x_1_1 * cos + y_1_1 * sin,
-            y_1_1 * cos - x_1_1 * sin,
+            x_1_1 * cos_best + y_1_1 * sin_best,
+            y_1_1 * cos_best - x_1_1 * sin_best,
             z_1_1,
-            x_1_2 * cos + y_1_2 * sin,
-            y_1_2 * cos - x_1_2 * sin,
+            x_1_2 * cos_best + y_1_2 * sin_best,
+            y_1_2 * cos_best - x_1_2 * sin_best,
+            z_1_2,
+            x_1_0 * cos_other + y_1_0 * sin_other,
+            y_1_0 * cos_other - x_1_0 * sin_other,
+            z_1_0,
+            x_1_1 * cos_other + y_1_1 * sin_other,
+            y_1_1 * cos_other - x_1_1 * sin_other,
+            z_1_1,
+            x_1_2 * cos_other + y_1_2 * sin_other,
+            y_1_2 * cos_other - x_1_2 * sin_other,
             z_1_2,
         ),
         (  # mismatch
-            mismatch_a,
-        ),
-        (  # other_mismatch
-            other_mismatch_a,
+            mismatch_0,
+            ca.fmax(t9, t10),
         ),
         (  # agreement
-            tolerance - mismatch_a,
-        ),
-        (  # apart
-            other_mismatch_a - tolerance,
+            tolerance - mismatch_0,
         ),
     )
 

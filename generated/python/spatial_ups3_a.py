@@ -577,7 +577,7 @@ SIGNATURES = {
     ),
     "forward_encoders_1": rt.Signature(
         "forward_encoders_1",
-        "The pose with an encoder at the first redundant joint: of two solutions the one that fits the third link's length.",
+        "Both poses with an encoder at the first redundant joint, first the one that fits the third link's length better; where the other is within the tolerance too, they cannot be told apart.",
         "3.2.3",
         (
             rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
@@ -585,12 +585,11 @@ SIGNATURES = {
             rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
         ),
         (
-            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
-            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
-            rt.Port("other_mismatch", (), "m", "-", "the same for the solution that is not given", "shared", ()),
+            rt.Port("p", (2, 3), "m", "base", "position of O', NaN behind the last", "shared", ()),
+            rt.Port("Q", (2, 3, 3), "1", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
+            rt.Port("mismatch", (2,), "m", "-", "by how much the third link's length disagrees", "shared", ()),
         ),
-        "(3,3),(1),()->(3),(3,3),(),(),()",
+        "(3,3),(1),()->(2,3),(2,3,3),(2),()",
     ),
     "passive_joints_of_theta": rt.Signature(
         "passive_joints_of_theta",
@@ -766,7 +765,6 @@ class ForwardEncoders1(NamedTuple):
     p: Any
     Q: Any
     mismatch: Any
-    other_mismatch: Any
 
 
 class PassiveJointsOfTheta(NamedTuple):
@@ -1786,8 +1784,8 @@ def forward_newton(
 def forward_encoders_1(
     s: Any, measured: Any, tolerance: Any = None, *, geometry: Geometry = DEFAULT_GEOMETRY,
     status: bool = False) -> Any:
-    """The pose with an encoder at the first redundant joint: of two solutions the one that fits the
-    third link's length.
+    """Both poses with an encoder at the first redundant joint, first the one that fits the third
+    link's length better; where the other is within the tolerance too, they cannot be told apart.
 
     Thesis: 3.2.3.
 
@@ -1799,10 +1797,9 @@ def forward_encoders_1(
         status: whether to return the status codes as well.
 
     Returns:
-        p (..., 3) [m] in the base frame: position of O'
-        Q (..., 3, 3) in the base frame: orientation, base from platform
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
-        other_mismatch (...) [m]: the same for the solution that is not given
+        p (..., 2, 3) [m] in the base frame: position of O', NaN behind the last
+        Q (..., 2, 3, 3) in the base frame: orientation, base from platform, NaN behind the last
+        mismatch (..., 2) [m]: by how much the third link's length disagrees
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1812,7 +1809,7 @@ def forward_encoders_1(
         turns = platform.turns_1(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        flatness, radicand, p, Q, mismatch, other_mismatch, agreement, apart = platform.one_encoder(
+        flatness, radicand, p, Q, mismatch, agreement = platform.one_encoder(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         results = arguments.finish(
@@ -1820,13 +1817,11 @@ def forward_encoders_1(
                 "p": p,
                 "Q": Q,
                 "mismatch": mismatch,
-                "other_mismatch": other_mismatch,
             },
             (
-                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "mismatch", "other_mismatch", )),
-                rt.Guard(radicand[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "mismatch", "other_mismatch", )),
-                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "mismatch", "other_mismatch", )),
-                rt.Guard(apart[0], True, 0.0, Status.AMBIGUOUS, False, ("p", "Q", "mismatch", "other_mismatch", )),
+                rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "mismatch", )),
+                rt.Guard(radicand[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "mismatch", )),
             ),
         )
     answer = ForwardEncoders1(*results[:-1])

@@ -21,6 +21,7 @@ from krhpr.cli import (
     info,
     list_command,
     schema_command,
+    study_command,
     validate,
 )
 from krhpr.cli.common import Command, Exit, WrongUse, first_words
@@ -35,6 +36,7 @@ COMMANDS: tuple[Command, ...] = (
     generate.COMMAND,
     compile_command.COMMAND,
     validate.COMMAND,
+    study_command.COMMAND,
     schema_command.COMMAND,
 )
 

@@ -17,6 +17,7 @@ import numpy as np
 
 import krhpr
 from krhpr.codegen.kernel import LEGS, Unit
+from krhpr.study.trajectory import trajectory
 from krhpr.validation.check import Check
 from krhpr.validation.differences import arc
 from krhpr.validation.numeric import Floats, Geometry, Numeric, target
@@ -194,32 +195,6 @@ def _rows(case: _Case) -> Floats:
 
 
 # -- Section 1.8 -----------------------------------------------------------------------------------
-
-
-def trajectory() -> tuple[Floats, Floats]:
-    """p and Q along (1.46) to (1.49) and back, in steps of one degree or one millimetre: 721 poses."""
-    top = 80
-    tilts = [([0.0, 0.0, 350.0], _tilt(radians(angle), 0.0)) for angle in range(top + 1)]
-    shifts = [([float(x), 0.0, 350.0], _tilt(radians(top), 0.0)) for x in range(1, 101)]
-    circle = [
-        ([100.0 * np.cos(zeta), 100.0 * np.sin(zeta), 350.0], _tilt(radians(top), zeta))
-        for zeta in np.radians(np.arange(1.0, 361.0))
-    ]
-    there = tilts + shifts
-    poses = there + circle + there[-2::-1]
-    return np.array([p for p, _ in poses]), np.array([q for _, q in poses])
-
-
-def _tilt(phi: float, zeta: float) -> Floats:
-    """(1.48), which is (1.46) at zeta = 0."""
-    c, s, a, b = np.cos(phi), np.sin(phi), np.cos(zeta), np.sin(zeta)
-    return np.array(
-        [
-            [b * b + a * a * c, a * b * (c - 1), a * s],
-            [a * b * (c - 1), a * a + b * b * c, b * s],
-            [-a * s, -b * s, c],
-        ]
-    )
 
 
 def chapter_1(one: Numeric, found: Measured) -> int:

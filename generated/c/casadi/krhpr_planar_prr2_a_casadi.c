@@ -1116,7 +1116,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundan
 
 static int value_forward_encoders_1(const double *x, double *y)
 {
-    return plain_forward_encoders_1(&geometry, x, x + 6, x[7], y, y + 2, y + 3, y + 4);
+    return plain_forward_encoders_1(&geometry, x, x + 6, x[7], y, y + 4, y + 6);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_1[] = {
@@ -1125,13 +1125,12 @@ static const krhpr_casadi_slot in_forward_encoders_1[] = {
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_1[] = {
-    {"out_p", 2, 1, 1, NULL, P0, P1},
-    {"out_phi", 1, 1, 1, NULL, P2, P3},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
-    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_p", 2, 2, 1, NULL, P8, P9},
+    {"out_phi", 2, 1, 1, NULL, P0, P1},
+    {"out_mismatch", 2, 1, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
-    3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
+    3, in_forward_encoders_1, 3, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_1), function_forward_encoders_1)
 

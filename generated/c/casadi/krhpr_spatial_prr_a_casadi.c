@@ -1133,7 +1133,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundan
 
 static int value_forward_encoders_1(const double *x, double *y)
 {
-    return plain_forward_encoders_1(&geometry, x, x + 9, x[10], y, y + 3, y + 12, y + 13);
+    return plain_forward_encoders_1(&geometry, x, x + 9, x[10], y, y + 6, y + 24);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_1[] = {
@@ -1142,10 +1142,10 @@ static const krhpr_casadi_slot in_forward_encoders_1[] = {
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_1[] = {
-    {"out_p", 3, 1, 1, NULL, P4, P5},
-    {"out_Q", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
-    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_p", 2, 3, 1, NULL, P6, P7},
+    {"out_Q1", 3, 3, 1, NULL, P0, P1},
+    {"out_Q2", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 2, 1, 1, NULL, P16, P17},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
     3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL

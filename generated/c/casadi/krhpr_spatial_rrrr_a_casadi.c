@@ -125,148 +125,149 @@ static const casadi_int P20[3] = {4, 3, 1};
 static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
 static const casadi_int P22[3] = {2, 1, 1};
 static const casadi_int P23[4] = {2, 1, 0, 0};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P24[3] = {2, 3, 1};
+static const casadi_int P25[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P27[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P28[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P29[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P29[51] = {9, 12, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 33, 36, 0, 3, 6, 1, 4, 7, 2, 5, 8,
+static const casadi_int P30[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P31[51] = {9, 12, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 33, 36, 0, 3, 6, 1, 4, 7, 2, 5, 8,
     0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P30[60] = {16, 9, 0, 16, 16, 16, 32, 32, 32, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P32[60] = {16, 9, 0, 16, 16, 16, 32, 32, 32, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
     13, 14, 15};
-static const casadi_int P31[18] = {16, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P32[60] = {16, 9, 0, 0, 16, 16, 16, 32, 32, 32, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P33[18] = {16, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P34[60] = {16, 9, 0, 0, 16, 16, 16, 32, 32, 32, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
     13, 14, 15};
-static const casadi_int P33[18] = {16, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P34[60] = {16, 9, 0, 0, 0, 16, 16, 16, 32, 32, 32, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P35[18] = {16, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P36[60] = {16, 9, 0, 0, 0, 16, 16, 16, 32, 32, 32, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13,
     14, 15};
-static const casadi_int P35[18] = {16, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P36[21] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P37[48] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 36, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P37[18] = {16, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P38[21] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P39[48] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 36, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P38[36] = {12, 12, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P40[36] = {12, 12, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 9, 10, 11, 6, 7, 8, 9, 10, 11, 9, 10, 11};
-static const casadi_int P39[48] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P41[48] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P40[36] = {12, 12, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
+static const casadi_int P42[36] = {12, 12, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
     8, 9, 10, 11, 6, 7, 8, 9, 10, 11, 9, 10, 11};
-static const casadi_int P41[48] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P43[48] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P42[36] = {12, 12, 0, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
+static const casadi_int P44[36] = {12, 12, 0, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
     8, 9, 10, 11, 6, 7, 8, 9, 10, 11, 9, 10, 11};
-static const casadi_int P43[3] = {6, 3, 1};
-static const casadi_int P44[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P45[3] = {6, 3, 1};
+static const casadi_int P46[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P45[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P47[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P46[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P48[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P47[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P49[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P48[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P50[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P49[15] = {36, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P50[42] = {72, 3, 0, 12, 24, 36, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18,
+static const casadi_int P51[15] = {36, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P52[42] = {72, 3, 0, 12, 24, 36, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18,
     26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70};
-static const casadi_int P51[120] = {72, 9, 0, 12, 24, 36, 48, 60, 72, 84, 96, 108, 0, 6, 12, 18, 26, 32, 38, 44, 52,
+static const casadi_int P53[120] = {72, 9, 0, 12, 24, 36, 48, 60, 72, 84, 96, 108, 0, 6, 12, 18, 26, 32, 38, 44, 52,
     58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12,
     18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52,
     58, 64, 70, 1, 7, 13, 19, 27, 33, 39, 45, 53, 59, 65, 71, 1, 7, 13, 19, 27, 33, 39, 45, 53, 59, 65, 71, 1, 7, 13,
     19, 27, 33, 39, 45, 53, 59, 65, 71};
-static const casadi_int P52[84] = {72, 9, 0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27,
+static const casadi_int P54[84] = {72, 9, 0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27,
     32, 33, 38, 39, 44, 45, 52, 53, 58, 59, 64, 65, 70, 71, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27, 32, 33, 38, 39, 44, 45,
     52, 53, 58, 59, 64, 65, 70, 71, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27, 32, 33, 38, 39, 44, 45, 52, 53, 58, 59, 64, 65,
     70, 71};
-static const casadi_int P53[57] = {72, 12, 0, 8, 16, 24, 28, 32, 36, 38, 40, 42, 42, 42, 42, 0, 1, 6, 7, 12, 13, 18,
+static const casadi_int P55[57] = {72, 12, 0, 8, 16, 24, 28, 32, 36, 38, 40, 42, 42, 42, 42, 0, 1, 6, 7, 12, 13, 18,
     19, 26, 27, 32, 33, 38, 39, 44, 45, 52, 53, 58, 59, 64, 65, 70, 71, 12, 13, 18, 19, 38, 39, 44, 45, 64, 65, 70, 71,
     18, 19, 44, 45, 70, 71};
-static const casadi_int P54[18] = {8, 3, 0, 4, 8, 12, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6};
-static const casadi_int P55[48] = {8, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 0,
+static const casadi_int P56[18] = {8, 3, 0, 4, 8, 12, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6};
+static const casadi_int P57[48] = {8, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 0,
     2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 1, 3, 5, 7, 1, 3, 5, 7, 1, 3, 5, 7};
-static const casadi_int P56[36] = {8, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P58[36] = {8, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P57[29] = {8, 12, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
+static const casadi_int P59[29] = {8, 12, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
     5, 6, 7, 6, 7};
-static const casadi_int P58[36] = {8, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P60[36] = {8, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P59[29] = {8, 12, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
+static const casadi_int P61[29] = {8, 12, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
     5, 6, 7, 6, 7};
-static const casadi_int P60[36] = {8, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P62[36] = {8, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P61[29] = {8, 12, 0, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
+static const casadi_int P63[29] = {8, 12, 0, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
     5, 6, 7, 6, 7};
-static const casadi_int P62[3] = {12, 3, 1};
-static const casadi_int P63[84] = {12, 9, 0, 12, 24, 36, 48, 60, 72, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P64[3] = {12, 3, 1};
+static const casadi_int P65[84] = {12, 9, 0, 12, 24, 36, 48, 60, 72, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P64[18] = {12, 3, 0, 4, 8, 12, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P65[9] = {12, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P66[15] = {12, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P67[3] = {16, 3, 1};
-static const casadi_int P68[108] = {16, 9, 0, 16, 32, 48, 64, 80, 96, 96, 96, 96, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P66[18] = {12, 3, 0, 4, 8, 12, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
+static const casadi_int P67[9] = {12, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P68[15] = {12, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P69[3] = {16, 3, 1};
+static const casadi_int P70[108] = {16, 9, 0, 16, 32, 48, 64, 80, 96, 96, 96, 96, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
     13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
     15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P69[22] = {16, 3, 0, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P70[22] = {16, 3, 0, 0, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P71[22] = {16, 3, 0, 0, 0, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P72[3] = {6, 9, 1};
-static const casadi_int P73[69] = {6, 12, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P71[22] = {16, 3, 0, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static const casadi_int P72[22] = {16, 3, 0, 0, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static const casadi_int P73[22] = {16, 3, 0, 0, 0, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static const casadi_int P74[3] = {6, 9, 1};
+static const casadi_int P75[69] = {6, 12, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P74[3] = {6, 12, 1};
-static const casadi_int P75[3] = {12, 9, 1};
-static const casadi_int P76[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P76[3] = {6, 12, 1};
+static const casadi_int P77[3] = {12, 9, 1};
+static const casadi_int P78[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P77[51] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 36, 36, 36, 0, 3, 6, 9, 1, 4, 7, 10,
+static const casadi_int P79[51] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 36, 36, 36, 0, 3, 6, 9, 1, 4, 7, 10,
     2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P78[3] = {12, 6, 1};
-static const casadi_int P79[63] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 3, 6, 9, 1, 4, 7, 10,
+static const casadi_int P80[3] = {12, 6, 1};
+static const casadi_int P81[63] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 3, 6, 9, 1, 4, 7, 10,
     2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2,
     5, 8, 11};
-static const casadi_int P80[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P81[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P82[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P83[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P82[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P84[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P83[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P85[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P84[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P86[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P85[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P87[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P86[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P88[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P87[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P89[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P88[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P90[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P91[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P92[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P93[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P94[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P95[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P96[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P97[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P98[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P99[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P101[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
+static const casadi_int P90[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P91[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P92[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P93[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P94[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P95[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P96[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P97[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P98[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P99[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P100[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P101[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P103[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
     10, 2, 5, 8, 11, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P102[3] = {2, 3, 1};
-static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P104[3] = {2, 9, 1};
-static const casadi_int P105[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P105[3] = {2, 9, 1};
+static const casadi_int P106[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /* -- rotation_error -- */
 
@@ -313,7 +314,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P24, P25, P26
+    P26, P27, P28
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -351,7 +352,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P27, P28
+    P0, P29, P30
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -385,7 +386,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P29
+    P31
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -425,7 +426,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 4, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P30, P31, P32, P33, P34, P35
+    P32, P33, P34, P35, P36, P37
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta1_swivel", "jac_theta2_s", "jac_theta2_swivel", "jac_theta3_s", "jac_theta3_swivel"
@@ -467,7 +468,7 @@ static const krhpr_casadi_slot out_swivel[] = {
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_swivel[] = {
-    P28, P36
+    P30, P38
 };
 static const char *const names_swivel[] = {
     "jac_swivel_s", "jac_swivel_theta"
@@ -511,7 +512,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P37, P38, P39, P40, P41, P42
+    P39, P40, P41, P42, P43, P44
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -549,7 +550,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P43, P44, P45
+    P45, P46, P47
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -599,7 +600,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 12, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P46, P47, P48, P49, P50, P51, P52, P53
+    P48, P49, P50, P51, P52, P53, P54, P55
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -651,7 +652,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 4, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P46, P47, P48, P49, P54, P55, P56, P57, P54, P55, P58, P59, P54, P55, P60, P61
+    P48, P49, P50, P51, P56, P57, P58, P59, P56, P57, P60, P61, P56, P57, P62, P63
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -699,7 +700,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P62, P63, P64, P65, P66
+    P64, P65, P66, P67, P68
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode", "jac_theta_swivel"
@@ -744,7 +745,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 4, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P67, P68, P69, P31, P67, P68, P70, P33, P67, P68, P71, P35
+    P69, P70, P71, P33, P69, P70, P72, P35, P69, P70, P73, P37
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta1_swivel", "jac_theta2_p", "jac_theta2_Q",
@@ -827,7 +828,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P43, P72, P72, P73, P74
+    P45, P74, P74, P75, P76
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -883,7 +884,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P62, P75, P76, P77, P78, P64, P66
+    P64, P77, P78, P79, P80, P66, P68
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -957,7 +958,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P43, P72, P72, P73, P12, P74, P74
+    P45, P74, P74, P75, P12, P76, P76
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -1031,7 +1032,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P62, P75, P76, P77, P78, P64, P79, P78, P64, P66
+    P64, P77, P78, P79, P80, P66, P81, P80, P66, P68
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1088,7 +1089,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P80, P81, P82, P83, P80, P81, P84, P85, P80, P81, P86, P87, P0, P27, P28, P88
+    P82, P83, P84, P85, P82, P83, P86, P87, P82, P83, P88, P89, P0, P29, P30, P90
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1142,7 +1143,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P89, P90, P91, P92, P89, P90, P93, P94, P89, P90, P95, P96, P24, P25, P97, P98
+    P91, P92, P93, P94, P91, P92, P95, P96, P91, P92, P97, P98, P26, P27, P99, P100
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1203,7 +1204,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P22, P23},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P99, P28, P100, P89, P90, P76, P101, P102, P103, P104, P105, P102, P103, P104, P105
+    P1, P101, P30, P102, P91, P92, P78, P103, P24, P104, P105, P106, P24, P104, P105, P106
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1246,7 +1247,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 2, 1, 1, NULL, P22, P23},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P102, P102
+    P24, P24
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1261,7 +1262,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundan
 
 static int value_forward_encoders_1(const double *x, double *y)
 {
-    return plain_forward_encoders_1(&geometry, x, x + 9, x[10], y, y + 3, y + 12, y + 13);
+    return plain_forward_encoders_1(&geometry, x, x + 9, x[10], y, y + 6, y + 24);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_1[] = {
@@ -1270,10 +1271,10 @@ static const krhpr_casadi_slot in_forward_encoders_1[] = {
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_1[] = {
-    {"out_p", 3, 1, 1, NULL, P4, P5},
-    {"out_Q", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
-    {"out_other_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_p", 2, 3, 1, NULL, P24, P25},
+    {"out_Q1", 3, 3, 1, NULL, P0, P1},
+    {"out_Q2", 3, 3, 1, NULL, P0, P1},
+    {"out_mismatch", 2, 1, 1, NULL, P22, P23},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
     3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL

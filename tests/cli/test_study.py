@@ -1,0 +1,20 @@
+"""`krhpr study`: a table, claims, pictures and numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from krhpr.study.forward_accuracy import APPROACHES, CONFIGURATIONS
+from tests.cli.support import Cli
+
+
+def test_the_command(cli: Cli, tmp_path: Path) -> None:
+    done = cli("study", "forward-accuracy", "--seed", "5", "--out", str(tmp_path))
+    assert done.out.count("holds: ") == 8 and "DOES NOT HOLD" not in done.out
+    assert "seven: Gauss-Newton, three" in done.out
+    table = json.loads((tmp_path / "accuracy.json").read_text("utf-8"))
+    assert table["seed"] == 5 and sum(table["position"]["counts"][APPROACHES[0]]) == CONFIGURATIONS
+    assert (tmp_path / "accuracy_position.png").stat().st_size > 10_000
+    refused = cli("study", "forward-accuracy", "--repeat", "0")
+    assert refused.code == 2 and "--repeat is 0; it must be 1 or more" in refused.err
