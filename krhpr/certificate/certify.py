@@ -35,12 +35,13 @@ def certify(
 
 def judge(robot: Robot, box: Box, cells: int = CELLS, *, bounds: bool = True) -> Certificate:
     """The same for a box; without `bounds`, a factor that never vanishes is not bounded further."""
-    findings = tuple(_finding(robot, factor, box, cells, bounds) for factor in factors(robot))
+    findings = tuple(certify_factor(robot, factor, box, cells, bounds) for factor in factors(robot))
     return Certificate(robot.identifier, box, findings)
 
 
-def _finding(robot: Robot, factor: Factor, box: Box, cells: int, bounds: bool) -> Finding:
-    regular = factor.form is Form.TRIGONOMETRIC and never_collinear(robot)
+def certify_factor(robot: Robot, factor: Factor, box: Box, cells: int, bounds: bool = True) -> Finding:
+    """What is known of one factor in a box."""
+    regular = factor.name == "det J_n" and factor.form is Form.TRIGONOMETRIC and never_collinear(robot)
     method = Method.INTERVALS if factor.form is Form.TRIGONOMETRIC else Method.VERTICES
     sign = factor.at([factor.coordinate(x) for x in box.centre]).sign()
     if sign is None:

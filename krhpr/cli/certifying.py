@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import krhpr
-from krhpr.certificate import Box, Certificate, Finding, Verdict, certify, largest_box
+from krhpr.certificate import Box, Certificate, Finding, Verdict, certify, certify_unique, largest_box
 from krhpr.certificate.factors import is_angular
 from krhpr.cli.common import Column, Exit, WrongUse, print_table
 from krhpr.cli.evaluation import with_geometry
@@ -26,11 +26,12 @@ def run(options: argparse.Namespace) -> int:
     _check(options)
     unit = _Unit("deg" if options.degrees else "rad" if angular else "m", options.degrees)
     if not options.largest:
-        box = certify(robot, unit.read(options.low), unit.read(options.high), closed=not options.open)
+        question = certify_unique if options.unique else certify
+        box = question(robot, unit.read(options.low), unit.read(options.high), closed=not options.open)
         if options.json:
             print(json.dumps(_certificate_facts(box, unit), indent=1))
         else:
-            _print(robot, box, unit)
+            _print(robot, box, unit, unique=options.unique)
         return Exit.OK if box.free else Exit.DIFFERENCE
     proportions = _spread(options.proportions or [1.0])
     found = largest_box(robot, unit.read(options.centre), proportions)
@@ -52,9 +53,10 @@ def _check(options: argparse.Namespace) -> None:
     """Which options go together."""
     given = {name for name in ("low", "high", "centre", "proportions") if getattr(options, name) is not None}
     if options.largest:
-        if "centre" not in given or given & {"low", "high"} or options.open:
+        if "centre" not in given or given & {"low", "high"} or options.open or options.unique:
             raise WrongUse(
-                "--largest takes --centre (and --proportions), not --low, --high or --open: its box is open"
+                "--largest takes --centre (and --proportions), not --low, --high, --open or --unique: its "
+                "box is open, and free of type II singularities"
             )
     elif not {"low", "high"} <= given or given & {"centre", "proportions"}:
         raise WrongUse("give a box by --low and --high, or --largest with --centre")
@@ -89,8 +91,12 @@ def _spread(values: Sequence[float]) -> list[float]:
 # -- as text -------------------------------------------------------------------------------------------------
 
 
-def _print(robot: Robot, found: Certificate, unit: _Unit) -> None:
-    print(f"{robot.identifier}: the box is {_verdict(found, unit)}")
+def _print(robot: Robot, found: Certificate, unit: _Unit, unique: bool = False) -> None:
+    if unique:
+        said = "one solution of forward at most" if found.free else "perhaps several solutions of forward"
+        print(f"{robot.identifier}: the box holds {said}")
+    else:
+        print(f"{robot.identifier}: the box is {_verdict(found, unit)}")
     name = robot.documentation["redundant"][0][0]
     kind = "closed" if found.box.closed else "open"
     print(f"{kind} box {name}: {unit.point(found.box.low)} to {unit.point(found.box.high)}")
