@@ -16,7 +16,7 @@ from benchmarks.build import BuildError, Built, Tools, build_contender, build_li
 from benchmarks.contender import Contender, Manifest, Missing
 from benchmarks.measure import Bench, Row
 from benchmarks.ours import c_contenders
-from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
+from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, SPECIAL, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
 
@@ -42,8 +42,12 @@ def gather(keys: Sequence[str], out: Path, peer_python: Path) -> tuple[Manifest,
     """All peers' contenders for all workloads."""
     everything, missing = Manifest(), []
     for peer in PEERS:
+        theirs = [key for key in keys if peer.name in (WORKLOADS[key].peers or [peer.name])]
+        theirs = [key for key in theirs if WORKLOADS[key].peers or peer.name not in SPECIAL]
+        if not theirs:
+            continue
         print(f"generating: {peer.name}", file=sys.stderr)
-        found = generate(peer, keys, out / "generated", peer_python)
+        found = generate(peer, theirs, out / "generated", peer_python)
         if isinstance(found, Missing):
             missing.append(found)
         else:
@@ -81,7 +85,7 @@ def measure_c(
     print(f"compiling: {workload.key}, {len(contenders)} contenders", file=sys.stderr)
     built, failed = build_all(workload, contenders, out, tools)
     bench = Bench(workload, build_library(workload, built, out, tools))
-    rows = [Row(b, bench.error(b)) for b in built]
+    rows = [Row(b, bench.error(b), workload.tolerance) for b in built]
     print(f"measuring: {workload.key}", file=sys.stderr)
     overhead = bench.run([row for row in rows if row.correct], options.rounds)
     return report.Result(workload, rows, missing + failed, overhead)

@@ -28,11 +28,12 @@ class PythonRow:
 
     contender: PythonContender
     error: float = 0.0
+    tolerance: float = TOLERANCE
     series: dict[str, Series] = field(default_factory=dict)
 
     @property
     def correct(self) -> bool:
-        return self.error <= TOLERANCE
+        return self.error <= self.tolerance
 
 
 @dataclass
@@ -83,7 +84,7 @@ def prepare(
     first = [x[0] for x in inputs]
     rows, jobs = [], []
     for contender in contenders:
-        row = PythonRow(contender)
+        row = PythonRow(contender, tolerance=workload.tolerance)
         rows.append(row)
         for mode, make, arguments, poses in (
             ("batch", contender.batch, inputs, n),

@@ -55,11 +55,12 @@ class Row:
 
     built: Built
     error: float  # largest difference from the reference, relative to the output's scale
+    tolerance: float = TOLERANCE
     series: dict[str, Series] = field(default_factory=dict)
 
     @property
     def correct(self) -> bool:
-        return self.error <= TOLERANCE
+        return self.error <= self.tolerance
 
 
 def scaled_error(workload: Workload, found: Sequence[Floats], expected: Sequence[Floats]) -> float:

@@ -30,10 +30,21 @@ from krhpr.codegen.targets.c import CTarget
 from krhpr.derivations.catalogue import catalogue
 from krhpr.native import compile_library, function_address, load_library, make_gufunc
 
-ROBOT = {"w1": "spatial_rrr_a", "w2": "spatial_rrr_a", "w5": "spatial_r_fivebar_a"}
+ROBOT = dict.fromkeys(("w1", "w2", "w3", "w4"), "spatial_rrr_a") | {"w5": "spatial_r_fivebar_a"}
 CALL = {
     "w1": "krhpr_{robot}_w1(&geometry, p, Q, theta, J, K)",
     "w2": "krhpr_{robot}_w2(&geometry, p, Q, beta, mode, theta)",
+    "w3": "double det_J[6], doubtful;\n"
+    "    krhpr_{robot}_w3(&geometry, s, 1.0, p_all, Q_all, beta_all, det_J, count, &doubtful);\n"
+    "    for (int k = (int)count[0]; k < 6; ++k) {{\n"
+    "        for (int j = 0; j < 9; ++j) {{\n"
+    "            Q_all[9 * k + j] = 0.0;\n"
+    "        }}\n"
+    "        for (int j = 0; j < 3; ++j) {{\n"
+    "            p_all[3 * k + j] = beta_all[3 * k + j] = 0.0;\n"
+    "        }}\n"
+    "    }}",
+    "w4": "krhpr_{robot}_w4(&geometry, s, p, Q, p_next, Q_next)",
     "w5": "krhpr_{robot}_w5(&geometry, s, theta, M)",
 }
 
@@ -44,13 +55,13 @@ MODE, MODE_SIGNS = "front/elbow+", (1.0, 1.0)
 def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
     """Generated scalar C: with its own sine, cosine and arctangent, and with the C library's."""
     folder = folder / f"ours_{workload.key}"
-    robot = _write(workload, folder)
+    robot = write_robot(workload, folder)
     name = robot.identifier
     signs = ", ".join(map(repr, 3 * MODE_SIGNS))
     mode = f"static const double mode[6] = {{{signs}}};\n" if workload.key == "w2" else ""
     glue = (
         f'#include "krhpr_{name}.c"\n'
-        + baked_geometry(robot, "geometry")
+        + baked(robot)
         + mode
         + f"{workload.prototype()}\n{{\n    {CALL[workload.key].format(robot=name)};\n}}\n"
     )
@@ -61,7 +72,12 @@ def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
     ]
 
 
-def _write(workload: Workload, folder: Path) -> RobotCode:
+def baked(robot: RobotCode) -> str:
+    """The prepared geometry as a constant."""
+    return baked_geometry(robot, "geometry")
+
+
+def write_robot(workload: Workload, folder: Path) -> RobotCode:
     """The C of a robot that offers just the workload's function, in a folder."""
     parts = Parts()
     entry = next(entry for entry in catalogue() if entry.identifier == ROBOT[workload.key])
@@ -83,11 +99,24 @@ def _function(robot: RobotCode, key: str) -> RobotFunction:
         return replace(robot.function("inverse"), name="w2")
     if key == "w5":
         return replace(robot.function("subleg_jacobian"), name="w5")
+    if key == "w3":
+        return replace(robot.function("forward_all"), name="w3")
+    if key == "w4":
+        return _newton_step(robot.function("forward_newton"))
     blocks = robot.function("jacobian_blocks")
     inputs = tuple(port for port in blocks.inputs if port.name != "s")
     forward = Call(Stage.LEG, "subleg", "forward_posture", {}, {})
     rest = tuple(call for call in blocks.calls if call.kernel != "posture")
     return replace(blocks, name="w1", inputs=inputs, calls=(forward, *rest))
+
+
+def _newton_step(function: RobotFunction) -> RobotFunction:
+    """One step where `forward_newton` iterates, and nothing but the pose."""
+    calls = tuple(
+        call if call.repeat is None else replace(call, repeat=replace(call.repeat, limit=1))
+        for call in function.calls
+    )
+    return replace(function, name="w4", outputs=function.outputs[:2], calls=calls, guards=())
 
 
 def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
@@ -140,7 +169,7 @@ def _gufunc(workload: Workload, robot: krhpr.Robot) -> np.ufunc:
     """The workload as a generalized ufunc, with the geometry as a run-time argument."""
     folder = Path(tempfile.mkdtemp(prefix="krhpr-bench-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    code = _write(workload, folder)
+    code = write_robot(workload, folder)
     function = code.functions[0]
     prefix = f"krhpr_{code.identifier}"
     library = load_library(compile_library(prefix, [folder / f"{prefix}.c"], include_dirs=[folder]))

@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.contender import OURS, Missing
 from benchmarks.from_python import PythonResult, PythonRow
-from benchmarks.measure import TOLERANCE, Row, Series
+from benchmarks.measure import Row, Series
 from benchmarks.workloads import Workload
 
 HAND = "hand-written C"
@@ -32,6 +32,7 @@ class Entry:
     name: str
     variant: str
     error: float
+    tolerance: float
     series: Mapping[str, Series]
     text: int = 0
     generate_ms: float | None = None
@@ -51,13 +52,15 @@ def entries(rows: Sequence[Row]) -> list[Entry]:
         ms = None if c.generate_seconds is None else 1e3 * c.generate_seconds
         flags = " ".join(c.extra_flags)
         size = row.built.text_bytes
-        result.append(Entry(c.name, c.variant, row.error, row.series, size, ms, c.batch_layout, flags))
+        result.append(
+            Entry(c.name, c.variant, row.error, row.tolerance, row.series, size, ms, c.batch_layout, flags)
+        )
     return result
 
 
 def python_entries(rows: Sequence[PythonRow]) -> list[Entry]:
     """Rows measured from Python."""
-    return [Entry(r.contender.name, r.contender.variant, r.error, r.series) for r in rows]
+    return [Entry(r.contender.name, r.contender.variant, r.error, r.tolerance, r.series) for r in rows]
 
 
 def best(candidates: Sequence[Entry], mode: str) -> Entry | None:
@@ -214,9 +217,9 @@ def excluded(candidates: Sequence[Entry], missing: Sequence[Missing]) -> str:
     lines = [f"* MISSING: {m.name}: {m.reason}" for m in missing]
     lines += [
         f"* WRONG, not timed: {e.label} differs by {e.error:.1e} of the output's scale "
-        f"(allowed {TOLERANCE:.0e})"
+        f"(allowed {e.tolerance:.0e})"
         for e in candidates
-        if not e.error <= TOLERANCE
+        if not e.error <= e.tolerance
     ]
     return "\n".join(lines) + "\n" if lines else ""
 
@@ -224,7 +227,7 @@ def excluded(candidates: Sequence[Entry], missing: Sequence[Missing]) -> str:
 def c_section(result: Result) -> str:
     """One workload in C."""
     candidates = entries(result.rows)
-    correct = [e for e in candidates if e.error <= TOLERANCE]
+    correct = [e for e in candidates if e.error <= e.tolerance]
     overhead = ", ".join(f"{mode} {series.median:.1f} ns" for mode, series in result.overhead.items())
     parts = [
         f"## {result.workload.key.upper()}: {result.workload.title}\n",
@@ -242,7 +245,7 @@ def c_section(result: Result) -> str:
 def python_section(result: PythonResult) -> str:
     """One workload called from Python."""
     candidates = python_entries(result.rows)
-    correct = [e for e in candidates if e.error <= TOLERANCE]
+    correct = [e for e in candidates if e.error <= e.tolerance]
     header: dict[str, Callable[[Entry], str]] = {
         "contender": lambda e: e.name,
         "variant": lambda e: e.variant,
@@ -314,7 +317,7 @@ def as_json(results: Sequence[Result], python: Sequence[PythonResult]) -> list[d
         *(("C", r.workload.key, entries(r.rows), r.missing) for r in results),
         *(("Python", r.workload.key, python_entries(r.rows), r.missing) for r in python),
     ]:
-        correct = [e for e in candidates if e.error <= TOLERANCE]
+        correct = [e for e in candidates if e.error <= e.tolerance]
 
         def base(mode: str, correct: list[Entry] = correct) -> Entry | None:
             return base_of(correct, mode)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.forward import every_solution
 from benchmarks.robot import HYBRID, L_REDUNDANT, LEGS, R_PLATFORM
 from benchmarks.workloads import WORKLOADS, Workload
 
@@ -16,9 +19,20 @@ class NumpyOps:
 
     sin, cos, sqrt, atan2, acos = np.sin, np.cos, np.sqrt, np.arctan2, np.arccos
 
+    @staticmethod
+    def solve(rows: list[list[Any]], values: list[Any]) -> list[Any]:
+        """Linear equations, one system for each element of the batch."""
+        entries = np.broadcast_arrays(*(x for row in rows for x in row), *values)
+        n = len(values)
+        matrix = np.stack(entries[: n * n], axis=-1).reshape(-1, n, n)
+        right = np.stack(entries[n * n :], axis=-1)[..., None]
+        return list(np.linalg.solve(matrix, right)[..., 0].T)
+
 
 def evaluate(workload: Workload, inputs: list[Floats], form: str | None = None) -> list[Floats]:
     """The formulas over a batch, with NumPy component arrays: (n, ...) in, (n, ...) out."""
+    if workload.reference is not None:
+        return workload.reference(inputs)
     components = [list(x.reshape(len(x), -1).T) for x in inputs]
     function = workload.forms[form or next(iter(workload.forms))]
     outputs = function(NumpyOps, *components)
@@ -65,6 +79,25 @@ def hybrid_angles(s: Floats) -> Floats:
     return theta
 
 
+def _far_apart(s: Floats) -> Floats:
+    """Zero where solutions are apart, NaN where two all but coincide: counts may differ there."""
+    _, p, _, beta = every_solution([s])
+    gaps = np.abs(beta[:, :, None] - beta[:, None]).max(axis=-1) + np.abs(p[:, :, None] - p[:, None]).max(
+        axis=-1
+    )
+    there = np.abs(p).max(axis=-1) > 0
+    pairs = there[:, :, None] & there[:, None] & ~np.eye(6, dtype=bool)
+    return np.where((pairs & (gaps < 0.05)).any(axis=(1, 2)), np.nan, 0.0)
+
+
+def _beside(rng: np.random.Generator, p: Floats, q: Floats) -> tuple[Floats, Floats]:
+    """The pose before: a tenth of a millimetre and a tenth of a degree away."""
+    a, b, c = rng.uniform(-1e-3, 1e-3, (3, len(p)))
+    zero = np.zeros(len(p))
+    small = np.stack([zero, -c, b, c, zero, -a, -b, a, zero], axis=-1).reshape(-1, 3, 3)
+    return p + rng.uniform(-1e-4, 1e-4, p.shape), q @ (np.eye(3) + small + small @ small / 2)
+
+
 def _triangle(a: float, b: Floats, opposite: float) -> Floats:
     """Angle between sides a and b of a triangle, from its third side."""
     return np.arccos((a * a + b * b - opposite * opposite) / (2.0 * a * b))
@@ -80,6 +113,8 @@ def draw(workload: Workload, n: int, seed: int = 20240) -> list[Floats]:
         candidates = {
             "w1": [p, q, theta],
             "w2": [p, q, beta, theta],
+            "w3": [s, _far_apart(s) if workload.key == "w3" else s],
+            "w4": [s, *_beside(rng, p, q)],
             "w5": [s, hybrid_angles(s)],
         }[workload.key]
     good = np.all([np.isfinite(x).reshape(2 * n, -1).all(axis=1) for x in candidates], axis=0)

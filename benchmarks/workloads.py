@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from benchmarks import formulas
+from benchmarks import formulas, forward
 
 Form = Callable[..., tuple[list[Any], ...]]
+Reference = Callable[[list[Any]], list[Any]]
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,9 @@ class Workload:
     outputs: tuple[Array, ...]
     forms: Mapping[str, Form]
     angles: bool = False  # outputs are compared modulo 2 pi
+    peers: tuple[str, ...] | None = None  # names of those that take part; all unless given
+    reference: Reference | None = None  # where no form says what is right
+    tolerance: float = 1e-12
 
     @property
     def symbol(self) -> str:
@@ -79,6 +83,30 @@ WORKLOADS: dict[str, Workload] = {
                 "acos": partial(formulas.inverse, use_acos=True),
             },
             angles=True,
+        ),
+        Workload(
+            "w3",
+            "every real solution of the forward kinematics from the end points",
+            (S,),
+            (
+                Array("count", (1,)),
+                Array("p_all", (6, 3)),
+                Array("Q_all", (6, 3, 3)),
+                Array("beta_all", (6, 3)),
+            ),
+            {},
+            peers=("GSL",),
+            reference=forward.every_solution,
+            tolerance=1e-5,  # numpy.roots, next to double roots
+        ),
+        Workload(
+            "w4",
+            "one Newton step of the forward kinematics from a pose nearby",
+            (S, P, Q),
+            (Array("p_next", (3,)), Array("Q_next", (3, 3))),
+            {"planar": forward.planar_step, "nine": forward.nine_step},
+            peers=("CasADi",),
+            tolerance=1e-4,
         ),
         Workload(
             "w5",

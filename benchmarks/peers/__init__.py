@@ -29,7 +29,10 @@ PEERS = (
     Peer("CasADi", "casadi_c", "casadi"),
     Peer("SymForce", "symforce_cpp", "symforce"),
     Peer("wrenfold", "wrenfold_cpp", "wrenfold"),
+    Peer("GSL", "gsl_c", None),
 )
+SPECIAL = ("GSL",)
+"""Peers for those workloads alone that name them."""
 
 
 def interpreter_with(package: str | None, candidates: Sequence[Path]) -> Path | None:

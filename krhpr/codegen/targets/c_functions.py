@@ -264,6 +264,7 @@ class _Plan:
         self, robot: RobotCode, function: RobotFunction, known: dict[str, Variable], outside: set[str]
     ) -> None:
         self.robot, self.known, self.outside = robot, known, outside
+        self.read = function.read(robot.parts, guards=True)
         self.angle_count = self.tail_count = 0
         self.shared_angle_calls: list[str] = []
         self.leg_angle_calls: list[str] = []
@@ -422,6 +423,8 @@ class _Plan:
         where = " + ".join(term for term in (first, f"{phases.tail_size} * i" if per_leg else "") if term)
         for tail in phases.tails:
             variable = self.known[call.variable_out(tail.port.name)]
+            if variable.kind != "output" and variable.name not in self.read:
+                continue  # nobody wants them
             if variable.kind != "output":
                 raise ValueError(
                     f"{call.part}.{call.kernel}: the arctangents {tail.port.name!r} are not an output"
