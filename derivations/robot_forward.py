@@ -19,11 +19,11 @@ from krhpr.codegen.composition import (
 )
 from krhpr.codegen.kernel import Frame, Port, Unit
 from krhpr.derivations.platforms.encoders import (
-    MISMATCH,
     MISMATCHES,
     TOLERANCE,
     WEIGHTS,
     measured_port,
+    mismatch_port,
     raw_port,
 )
 from krhpr.derivations.platforms.forward import BOX, CERTIFIED, SIDE, TURNED, forward_ports
@@ -251,7 +251,7 @@ class ForwardFunctions(FunctionsOf):
             "they give it, and made a rotation.",
             {2: "3.2.4, 3.3", 3: "3.2.5, 3.3"}[count],
             (self.leg.s, measured_port(self.plate.redundant, count), TOLERANCE),
-            self._encoder_outputs(),
+            self._encoder_outputs(count),
             (
                 *self._measured(count),
                 Call(Stage.PLATFORM, "platform", f"{number}_encoders", {}, {}),
@@ -269,7 +269,7 @@ class ForwardFunctions(FunctionsOf):
             f"The pose with encoders at {ENCODERS[count]} redundant joints, by weighted least squares.",
             "3.2.6, 3.3",
             (self.leg.s, measured_port(self.plate.redundant, count), TOLERANCE, WEIGHTS),
-            self._encoder_outputs(),
+            self._encoder_outputs(count),
             (
                 *self._measured(count),
                 Call(Stage.PLATFORM, "platform", f"{ENCODERS[count]}_encoders", {}, {}),
@@ -279,9 +279,9 @@ class ForwardFunctions(FunctionsOf):
             (*self._flat(), self._agreement(), self._converged(repeat)),
         )
 
-    def _encoder_outputs(self) -> tuple[Port, ...]:
+    def _encoder_outputs(self, count: int) -> tuple[Port, ...]:
         ports = forward_ports(self.robot.space, self.plate.redundant, 0)
-        return ports.p, ports.orientation, raw_port(self.robot.space), MISMATCH
+        return ports.p, ports.orientation, raw_port(self.robot.space), mismatch_port(count)
 
     def _measured(self, count: int) -> tuple[Call, ...]:
         """What the legs and the encoders tell before the platform's kernels."""

@@ -552,8 +552,8 @@ class Robot:
 
         One encoder gives (p, Q, mismatch) of two solutions, along a first core axis: first the one that fits
         better.  Two or three give (p, Q, raw, mismatch), with `raw` the orientation before it is made a
-        rotation.  The status is INCONSISTENT where the (smaller) mismatch is larger than `tolerance`, in
-        metres.
+        rotation.  `mismatch` says by how much lengths disagree; the status is INCONSISTENT where that is more
+        than `tolerance`, in metres.
         """
         function = f"forward_encoders_{self._count(measured)}"
         given = NUMBERS["tolerance"][0] if tolerance is None else tolerance

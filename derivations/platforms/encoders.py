@@ -35,10 +35,13 @@ if TYPE_CHECKING:
 
 ARM = stacked("arm", (2,), Unit.METRE, "l_i e_r, along b_i")
 TOLERANCE = Port("tolerance", (), Unit.METRE, Frame.NONE, "by how much encoders and end points may disagree")
-MISMATCH = Port(
-    "mismatch", (), Unit.METRE, Frame.NONE, "by how much distances of end points, or the third link, disagree"
+MISMATCHES = Port(
+    "mismatch",
+    (2,),
+    Unit.METRE,
+    Frame.NONE,
+    "by how much the third link is longer or shorter than it is, for each solution",
 )
-MISMATCHES = replace(MISMATCH, shape=(2,), doc="by how much the third link's length disagrees")
 AGREEMENT = Port("agreement", (1,), Unit.METRE, Frame.NONE, "not negative within the tolerance")
 REAL = Port("radicand", (1,), Unit.NONE, Frame.NONE, "not negative where the second link reaches")
 WEIGHTS = Port(
@@ -59,6 +62,13 @@ def measured_port(joint: Port, count: int) -> Port:
     legs = " to ".join(["1", str(count)][: 1 + (count > 1)])
     doc = f"redundant coordinates measured at leg{'s' if count > 1 else ''} {legs}"
     return Port("measured", (count,), joint.unit, Frame.JOINT, doc)
+
+
+def mismatch_port(count: int) -> Port:
+    """By how much end points and encoders disagree."""
+    pairs = ("12", "13", "23")[: count * (count - 1) // 2]
+    doc = f"|S_i S_j| less what encoders say, for the legs {', '.join(pairs)}"
+    return Port("mismatch", (len(pairs),), Unit.METRE, Frame.NONE, doc, labels=pairs)
 
 
 def raw_port(space: Space) -> Port:
@@ -138,9 +148,10 @@ def _one(plate: Platform) -> Kernel:
             k.let(f"{part}_{name}", x) for part, x in zip(("cos", "sin"), turn(sign), strict=True)
         )
         a_3 = k.let(f"a_3_{name}", turned(cosine, sine, arms[1]) - r_3, "S_3 to B_3")
-        misses.append(k.absolute(k.let(f"miss_{name}", sp.sqrt(dot(a_3, a_3)) - lengths[2])))
+        misses.append(k.let(f"miss_{name}", sp.sqrt(dot(a_3, a_3)) - lengths[2]))
     # +1 where the first fits better, without a branch
-    gap = k.let("gap", misses[1] - misses[0])
+    sizes = [k.absolute(miss) for miss in misses]
+    gap = k.let("gap", sizes[1] - sizes[0])
     sign = k.let("sign", gap / k.absolute(gap))
     poses = []
     for name, side in (("best", sign), ("other", -sign)):
@@ -149,9 +160,9 @@ def _one(plate: Platform) -> Kernel:
         )
         poses.append((cosine, sine, -turned(cosine, sine, hold.ends[0])))
     _write_poses(k, plate, plane, poses, several=True)
-    best, other = k.minimum(*misses), k.maximum(*misses)
-    k.add_output(MISMATCHES, [best, other])
-    k.add_output(AGREEMENT, [tolerance - best])
+    middle, half = (misses[0] + misses[1]) / 2, sign * (misses[0] - misses[1]) / 2
+    k.add_output(MISMATCHES, [middle + half, middle - half])
+    k.add_output(AGREEMENT, [tolerance - k.minimum(*sizes)])
     return k.kernel()
 
 
@@ -183,13 +194,13 @@ def _several(plate: Platform, count: int) -> Kernel:
     pairs = [(d[0], r[0])]
     if count == 3:
         pairs += [(d[1], r[1]), (d[1] - d[0], r[1] - r[0])]
-    gaps = [
-        k.absolute(k.let(f"gap_{i}", sp.sqrt(dot(b, b)) - sp.sqrt(dot(a, a))))
-        for i, (a, b) in enumerate(pairs)
-    ]
-    worst = k.maximum(*gaps) if len(gaps) > 1 else gaps[0]
-    k.add_output(MISMATCH, worst)
-    k.add_output(AGREEMENT, [tolerance - worst])
+    gaps = []
+    for i, (a, b) in enumerate(pairs):
+        # squares by themselves, or a root of one that has one term would be an absolute value
+        squares = k.let(f"r_2_{i}", dot(b, b)), k.let(f"d_2_{i}", dot(a, a))
+        gaps.append(k.let(f"gap_{i}", sp.sqrt(squares[0]) - sp.sqrt(squares[1])))
+    k.add_output(mismatch_port(count), gaps)
+    k.add_output(AGREEMENT, [tolerance - _largest(k, gaps)])
     return k.kernel()
 
 
@@ -252,6 +263,11 @@ def _pose(plate: Platform) -> Kernel:
         raw = sp.Matrix.hstack(plane.axes[:, :2] * raw, plane.axes.col(2))
     k.add_output(raw_port(plate.space), raw)
     return k.kernel()
+
+
+def _largest(k: KernelWriter, values: Sequence[Any]) -> Any:
+    sizes = [k.absolute(value) for value in values]
+    return k.maximum(*sizes) if len(sizes) > 1 else sizes[0]
 
 
 def _ends_port(count: int) -> Port:

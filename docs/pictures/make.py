@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import cache, partial
 from io import BytesIO
 from itertools import permutations, product
 from pathlib import Path
@@ -38,6 +39,9 @@ from krhpr.drawing import (
 )
 from krhpr.picture import VIEW, draw_leg, picture
 from krhpr.robot import Robot
+from krhpr.study.forward_accuracy import Accuracy, forward_accuracy
+from krhpr.study.histograms import histograms
+from krhpr.study.histograms import picture as histogram_picture
 
 matplotlib.use("Agg")
 
@@ -338,6 +342,22 @@ def singularity_locus() -> Figure:
     return figure
 
 
+ACCURACY = ("encoders", "position", "orientation", "orthonormal")
+"""Histograms of the accuracy study, Figs. 3.8 to 3.11."""
+
+
+def accuracy(name: str) -> Figure:
+    """One of them, for the study's default seed."""
+    (found,) = (one for one in histograms(_study()) if one.name == name)
+    figure: Figure = histogram_picture(found)
+    return figure
+
+
+@cache
+def _study() -> Accuracy:
+    return forward_accuracy()
+
+
 PICTURES: dict[str, Callable[[], Figure]] = {
     "flagship": flagship,
     "planar": planar,
@@ -349,6 +369,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "delta": delta,
     "type_2_margin": type_2_margin,
     "singularity_locus": singularity_locus,
+    **{f"accuracy_{name}": partial(accuracy, name) for name in ACCURACY},
 }
 
 

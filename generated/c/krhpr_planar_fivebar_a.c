@@ -1349,7 +1349,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward(
     double certificate[14];
     double points[6];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (assembly == NULL) {
@@ -1723,7 +1722,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1751,7 +1750,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1886,7 +1885,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1932,7 +1931,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -1433,7 +1433,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1454,7 +1454,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1497,7 +1497,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1536,7 +1536,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

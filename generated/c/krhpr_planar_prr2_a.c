@@ -1211,7 +1211,6 @@ KRHPR_API int krhpr_planar_prr2_a_forward(
     double certificate[14];
     double points[6];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (assembly == NULL) {
@@ -1573,7 +1572,7 @@ KRHPR_API int krhpr_planar_prr2_a_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1601,7 +1600,7 @@ KRHPR_API int krhpr_planar_prr2_a_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1734,7 +1733,7 @@ KRHPR_API int krhpr_planar_prr2_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1780,7 +1779,7 @@ KRHPR_API int krhpr_planar_prr2_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

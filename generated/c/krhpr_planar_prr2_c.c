@@ -1262,7 +1262,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1283,7 +1283,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1323,7 +1323,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1362,7 +1362,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -1261,7 +1261,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1282,7 +1282,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1324,7 +1324,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1363,7 +1363,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

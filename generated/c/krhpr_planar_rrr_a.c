@@ -1300,7 +1300,6 @@ KRHPR_API int krhpr_planar_rrr_a_forward(
     double certificate[14];
     double points[6];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (box == NULL) {
@@ -1661,7 +1660,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1689,7 +1688,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1822,7 +1821,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1868,7 +1867,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

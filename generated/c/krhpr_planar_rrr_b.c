@@ -1372,7 +1372,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1393,7 +1393,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1435,7 +1435,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double tail_y[KRHPR_PADDED(1)] = {0.0};
@@ -1474,7 +1474,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

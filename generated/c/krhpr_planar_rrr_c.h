@@ -486,7 +486,7 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_batch(
  *   out    p (2, m, base frame): position of O'
  *   out    phi (scalar, rad, base frame): orientation, base from platform
  *   out    raw (2 x 2, base frame): orientation as the equations give it
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    mismatch (1, m): |S_i S_j| less what encoders say, for the legs 12 [12]
  */
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2(
     const krhpr_planar_rrr_c_geometry *g, const double s[6], const double measured[2], double tolerance,
@@ -506,13 +506,13 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_batch(
  *   out    p (2, m, base frame): position of O'
  *   out    phi (scalar, rad, base frame): orientation, base from platform
  *   out    raw (2 x 2, base frame): orientation as the equations give it
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    mismatch (3, m): |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12, 13, 23]
  */
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3(
     const krhpr_planar_rrr_c_geometry *g, const double s[6], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+/* Batch: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
@@ -526,13 +526,13 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
  *   out    p (2, m, base frame): position of O'
  *   out    phi (scalar, rad, base frame): orientation, base from platform
  *   out    raw (2 x 2, base frame): orientation as the equations give it
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    mismatch (3, m): |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12, 13, 23]
  */
 KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3(
     const krhpr_planar_rrr_c_geometry *g, const double s[6], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+/* Batch: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],

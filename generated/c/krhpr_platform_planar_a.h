@@ -832,8 +832,8 @@ static inline void krhpr_platform_planar_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (50 add, 50 multiply, 2
- * divide, 3 square root, 5 select) */
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 54 multiply, 2
+ * divide, 3 square root, 4 select) */
 static inline void krhpr_platform_planar_a_one_encoder(
     const double s[6], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
@@ -868,12 +868,12 @@ static inline void krhpr_platform_planar_a_one_encoder(
     const double a_3_plus_0 = w_3_0 * cos_plus - s_13_0 - w_3_1 * sin_plus; /* S_3 to B_3 */
     const double a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - s_13_1;
     const double miss_plus = sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length[2];
-    const double t7 = fabs(miss_plus);
     const double cos_minus = t3 + t4;
     const double sin_minus = t5 - t6;
     const double a_3_minus_0 = w_3_0 * cos_minus - s_13_0 - w_3_1 * sin_minus; /* S_3 to B_3 */
     const double a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - s_13_1;
     const double miss_minus = sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length[2];
+    const double t7 = fabs(miss_plus);
     const double t8 = fabs(miss_minus);
     const double gap = t8 - t7;
     const double sign = gap / fabs(gap);
@@ -883,15 +883,16 @@ static inline void krhpr_platform_planar_a_one_encoder(
     const double sin_best = t5 + t10;
     const double cos_other = t3 + t9;
     const double sin_other = t5 - t10;
-    const double mismatch_0 = krhpr_min(t7, t8);
+    const double t11 = 0.5 * miss_minus + 0.5 * miss_plus;
+    const double t12 = 0.5 * sign * (miss_plus - miss_minus);
     radicand[0] = radicand_a;
     p[0] = s[0] + e_1_1 * sin_best - e_1_0 * cos_best;
     p[1] = s[1] - e_1_1 * cos_best - e_1_0 * sin_best;
     p[2] = s[0] + e_1_1 * sin_other - e_1_0 * cos_other;
     p[3] = s[1] - e_1_1 * cos_other - e_1_0 * sin_other;
-    mismatch[0] = mismatch_0;
-    mismatch[1] = krhpr_max(t7, t8);
-    agreement[0] = tolerance - mismatch_0;
+    mismatch[0] = t11 + t12;
+    mismatch[1] = t11 - t12;
+    agreement[0] = tolerance - krhpr_min(t7, t8);
     tail_y[0] = sin_best;
     tail_y[1] = sin_other;
     tail_x[0] = cos_best;
@@ -920,8 +921,8 @@ static inline void krhpr_platform_planar_a_two_encoders(
     const double t1 = 1.0 / d_12_2;
     const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1;
     const double sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
-    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_2);
-    const double mismatch_a = fabs(gap_0);
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -938,8 +939,8 @@ static inline void krhpr_platform_planar_a_two_encoders(
     linear[3] = cos;
     linear[4] = e_1_1 * sin - e_1_0 * cos;
     linear[5] = -(e_1_1 * cos + e_1_0 * sin);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    agreement[0] = tolerance - fabs(gap_0);
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
@@ -970,14 +971,19 @@ static inline void krhpr_platform_planar_a_three_encoders(
     const double u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
     const double u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
     const double u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
-    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
-    const double gap_1 = sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
+    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t2 = s_13_0 - s_12_0;
     const double t3 = s_13_1 - s_12_1;
+    const double r_2_2 = t2 * t2 + t3 * t3;
     const double t4 = d_13_0 - d_12_0;
     const double t5 = d_13_1 - d_12_1;
-    const double gap_2 = sqrt(t2 * t2 + t3 * t3) - sqrt(t4 * t4 + t5 * t5);
-    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    const double d_2_2 = t4 * t4 + t5 * t5;
+    const double gap_2 = sqrt(r_2_2) - sqrt(d_2_2);
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -996,8 +1002,10 @@ static inline void krhpr_platform_planar_a_three_encoders(
     linear[3] = u_y_1;
     linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
     linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    mismatch[1] = gap_1;
+    mismatch[2] = gap_2;
+    agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8

@@ -447,8 +447,8 @@ static inline void krhpr_platform_planar_b_two_encoders(
     const double t3 = 1.0 / d_12_2;
     const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3;
     const double sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
-    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_2);
-    const double mismatch_a = fabs(gap_0);
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -465,8 +465,8 @@ static inline void krhpr_platform_planar_b_two_encoders(
     linear[3] = cos;
     linear[4] = e_1_1 * sin - e_1_0 * cos;
     linear[5] = -(e_1_1 * cos + e_1_0 * sin);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    agreement[0] = tolerance - fabs(gap_0);
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
@@ -499,14 +499,19 @@ static inline void krhpr_platform_planar_b_three_encoders(
     const double u_x_1 = t4 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
     const double u_y_0 = t4 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
     const double u_y_1 = t4 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
-    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
-    const double gap_1 = sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
+    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t5 = s_13_0 - s_12_0;
     const double t6 = s_13_1 - s_12_1;
+    const double r_2_2 = t5 * t5 + t6 * t6;
     const double t7 = d_13_0 - d_12_0;
     const double t8 = d_13_1 - d_12_1;
-    const double gap_2 = sqrt(t5 * t5 + t6 * t6) - sqrt(t7 * t7 + t8 * t8);
-    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    const double d_2_2 = t7 * t7 + t8 * t8;
+    const double gap_2 = sqrt(r_2_2) - sqrt(d_2_2);
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -525,8 +530,10 @@ static inline void krhpr_platform_planar_b_three_encoders(
     linear[3] = u_y_1;
     linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
     linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    mismatch[1] = gap_1;
+    mismatch[2] = gap_2;
+    agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7

@@ -408,8 +408,8 @@ static inline void krhpr_platform_planar_c_two_encoders(
     const double t1 = 1.0 / d_12_2;
     const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1;
     const double sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
-    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_2);
-    const double mismatch_a = fabs(gap_0);
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -426,8 +426,8 @@ static inline void krhpr_platform_planar_c_two_encoders(
     linear[3] = cos;
     linear[4] = e_1_1 * sin - e_1_0 * cos;
     linear[5] = -(e_1_1 * cos + e_1_0 * sin);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    agreement[0] = tolerance - fabs(gap_0);
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
@@ -457,14 +457,19 @@ static inline void krhpr_platform_planar_c_three_encoders(
     const double u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
     const double u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
     const double u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
-    const double gap_0 = sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
-    const double gap_1 = sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
+    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t2 = s_13_0 - s_12_0;
     const double t3 = s_13_1 - s_12_1;
+    const double r_2_2 = t2 * t2 + t3 * t3;
     const double t4 = d_13_0 - d_12_0;
     const double t5 = d_13_1 - d_12_1;
-    const double gap_2 = sqrt(t2 * t2 + t3 * t3) - sqrt(t4 * t4 + t5 * t5);
-    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    const double d_2_2 = t4 * t4 + t5 * t5;
+    const double gap_2 = sqrt(r_2_2) - sqrt(d_2_2);
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -483,8 +488,10 @@ static inline void krhpr_platform_planar_c_three_encoders(
     linear[3] = u_y_1;
     linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
     linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    mismatch[1] = gap_1;
+    mismatch[2] = gap_2;
+    agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7

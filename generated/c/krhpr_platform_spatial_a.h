@@ -1062,8 +1062,8 @@ static inline void krhpr_platform_spatial_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 127 multiply, 5
- * divide, 5 square root, 5 select) */
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 131 multiply, 5
+ * divide, 5 square root, 4 select) */
 static inline void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand,
@@ -1123,12 +1123,12 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     const double a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus; /* S_3 to B_3 */
     const double a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1;
     const double miss_plus = sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length[2];
-    const double t9 = fabs(miss_plus);
     const double cos_minus = t5 + t6;
     const double sin_minus = t7 - t8;
     const double a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus; /* S_3 to B_3 */
     const double a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1;
     const double miss_minus = sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length[2];
+    const double t9 = fabs(miss_plus);
     const double t10 = fabs(miss_minus);
     const double gap = t10 - t9;
     const double sign = gap / fabs(gap);
@@ -1142,7 +1142,8 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     const double t14 = e_1_1 * cos_best + e_1_0 * sin_best;
     const double t15 = e_1_1 * sin_other - e_1_0 * cos_other;
     const double t16 = e_1_1 * cos_other + e_1_0 * sin_other;
-    const double mismatch_0 = krhpr_min(t9, t10);
+    const double t17 = 0.5 * miss_minus + 0.5 * miss_plus;
+    const double t18 = 0.5 * sign * (miss_plus - miss_minus);
     flatness[0] = flatness_0;
     radicand[0] = radicand_a;
     p[0] = s[0] + x_1_0 * t13 - y_1_0 * t14;
@@ -1169,13 +1170,13 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     Q[15] = x_1_2 * cos_other + y_1_2 * sin_other;
     Q[16] = y_1_2 * cos_other - x_1_2 * sin_other;
     Q[17] = z_1_2;
-    mismatch[0] = mismatch_0;
-    mismatch[1] = krhpr_max(t9, t10);
-    agreement[0] = tolerance - mismatch_0;
+    mismatch[0] = t17 + t18;
+    mismatch[1] = t17 - t18;
+    agreement[0] = tolerance - krhpr_min(t9, t10);
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (45 add, 63 multiply, 4 divide, 3 square root, 2 select) */
+ * (3.24).  (45 add, 64 multiply, 4 divide, 4 square root, 1 select) */
 static inline void krhpr_platform_spatial_a_two_encoders(
     const double s[9], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1223,8 +1224,8 @@ static inline void krhpr_platform_spatial_a_two_encoders(
     const double t3 = 1.0 / d_12_2;
     const double cos = points_10 * d_12_0 * t3;
     const double sin = t3 * (points_10 * (e_1_1 - e_2_1));
-    const double gap_0 = fabs(points_10) - sqrt(d_12_2);
-    const double mismatch_a = fabs(gap_0);
+    const double r_2_0 = points_10 * points_10;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -1251,12 +1252,12 @@ static inline void krhpr_platform_spatial_a_two_encoders(
     linear[3] = cos;
     linear[4] = e_1_1 * sin - e_1_0 * cos;
     linear[5] = -(e_1_1 * cos + e_1_0 * sin);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    agreement[0] = tolerance - fabs(gap_0);
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (65 add, 82 multiply, 4 divide, 7 square root, 6 select) */
+ * 3.2.5, (3.30).  (65 add, 83 multiply, 4 divide, 8 square root, 5 select) */
 static inline void krhpr_platform_spatial_a_three_encoders(
     const double s[9], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1313,14 +1314,19 @@ static inline void krhpr_platform_spatial_a_three_encoders(
     const double u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1));
     const double u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0);
     const double u_y_1 = t6 * (r_3_1 * d_12_0);
-    const double gap_0 = fabs(points_10) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
+    const double r_2_0 = points_10 * points_10;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
     const double t7 = r_3_1 * r_3_1;
-    const double gap_1 = sqrt(r_3_0 * r_3_0 + t7) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double r_2_1 = r_3_0 * r_3_0 + t7;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t8 = r_3_0 - t3 - t4 - t5;
+    const double r_2_2 = t7 + t8 * t8;
     const double t9 = d_13_0 - d_12_0;
     const double t10 = d_13_1 - d_12_1;
-    const double gap_2 = sqrt(t7 + t8 * t8) - sqrt(t9 * t9 + t10 * t10);
-    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    const double d_2_2 = t9 * t9 + t10 * t10;
+    const double gap_2 = sqrt(r_2_2) - sqrt(d_2_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -1349,8 +1355,10 @@ static inline void krhpr_platform_spatial_a_three_encoders(
     linear[3] = u_y_1;
     linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
     linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    mismatch[1] = gap_1;
+    mismatch[2] = gap_2;
+    agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8

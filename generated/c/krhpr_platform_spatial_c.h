@@ -584,7 +584,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (37 add, 63 multiply, 4 divide, 3 square root, 2 select) */
+ * (3.24).  (37 add, 64 multiply, 4 divide, 4 square root, 1 select) */
 static inline void krhpr_platform_spatial_c_two_encoders(
     const double s[9], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
@@ -632,8 +632,8 @@ static inline void krhpr_platform_spatial_c_two_encoders(
     const double t4 = 1.0 / d_12_2;
     const double cos = points_10 * d_12_0 * t4;
     const double sin = t4 * (points_10 * (e_1_1 - e_2_1));
-    const double gap_0 = fabs(points_10) - sqrt(d_12_2);
-    const double mismatch_a = fabs(gap_0);
+    const double r_2_0 = points_10 * points_10;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -660,12 +660,12 @@ static inline void krhpr_platform_spatial_c_two_encoders(
     linear[3] = cos;
     linear[4] = e_1_1 * sin - e_1_0 * cos;
     linear[5] = -(e_1_1 * cos + e_1_0 * sin);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    agreement[0] = tolerance - fabs(gap_0);
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (53 add, 80 multiply, 4 divide, 7 square root, 6 select) */
+ * 3.2.5, (3.30).  (53 add, 81 multiply, 4 divide, 8 square root, 5 select) */
 static inline void krhpr_platform_spatial_c_three_encoders(
     const double s[9], const double measured[3], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
@@ -722,14 +722,19 @@ static inline void krhpr_platform_spatial_c_three_encoders(
     const double u_x_1 = t7 * (r_3_1 * (e_1_1 - e_2_1));
     const double u_y_0 = t7 * (r_3_0 * d_12_0 - points_10 * d_13_0);
     const double u_y_1 = t7 * (r_3_1 * d_12_0);
-    const double gap_0 = fabs(points_10) - sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1);
+    const double r_2_0 = points_10 * points_10;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
     const double t8 = r_3_1 * r_3_1;
-    const double gap_1 = sqrt(r_3_0 * r_3_0 + t8) - sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1);
+    const double r_2_1 = r_3_0 * r_3_0 + t8;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t9 = r_3_0 - t4 - t5 - t6;
+    const double r_2_2 = t8 + t9 * t9;
     const double t10 = d_13_0 - d_12_0;
     const double t11 = d_13_1 - d_12_1;
-    const double gap_2 = sqrt(t8 + t9 * t9) - sqrt(t10 * t10 + t11 * t11);
-    const double mismatch_a = krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
+    const double d_2_2 = t10 * t10 + t11 * t11;
+    const double gap_2 = sqrt(r_2_2) - sqrt(d_2_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -758,8 +763,10 @@ static inline void krhpr_platform_spatial_c_three_encoders(
     linear[3] = u_y_1;
     linear[4] = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
     linear[5] = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
-    *mismatch = mismatch_a;
-    agreement[0] = tolerance - mismatch_a;
+    mismatch[0] = gap_0;
+    mismatch[1] = gap_1;
+    mismatch[2] = gap_2;
+    agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7

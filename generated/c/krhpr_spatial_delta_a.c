@@ -1365,7 +1365,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward(
     double points[6];
     double axes[9];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (box == NULL) {
@@ -1738,7 +1737,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1764,7 +1763,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1901,7 +1900,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1945,7 +1944,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -533,7 +533,7 @@ KRHPR_API int krhpr_spatial_delta_c_passive_joints_of_theta_batch(
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    raw (3 x 3, base frame): orientation as the equations give it
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    mismatch (1, m): |S_i S_j| less what encoders say, for the legs 12 [12]
  */
 KRHPR_API int krhpr_spatial_delta_c_forward_encoders_2(
     const krhpr_spatial_delta_c_geometry *g, const double s[9], const double measured[2], double tolerance,
@@ -554,13 +554,13 @@ KRHPR_API int krhpr_spatial_delta_c_forward_encoders_2_batch(
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    raw (3 x 3, base frame): orientation as the equations give it
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    mismatch (3, m): |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12, 13, 23]
  */
 KRHPR_API int krhpr_spatial_delta_c_forward_encoders_3(
     const krhpr_spatial_delta_c_geometry *g, const double s[9], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (9), measured (3), tolerance (1); out = p (3), Q (9), raw (9), mismatch (1); steps count doubles (status: ints)
+/* Batch: in = s (9), measured (3), tolerance (1); out = p (3), Q (9), raw (9), mismatch (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_delta_c_forward_encoders_3_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
@@ -575,13 +575,13 @@ KRHPR_API int krhpr_spatial_delta_c_forward_encoders_3_batch(
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    raw (3 x 3, base frame): orientation as the equations give it
- *   out    mismatch (scalar, m): by how much distances of end points, or the third link, disagree
+ *   out    mismatch (3, m): |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12, 13, 23]
  */
 KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_3(
     const krhpr_spatial_delta_c_geometry *g, const double s[9], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (9), measured (3), tolerance (1), weights (3); out = p (3), Q (9), raw (9), mismatch (1); steps count doubles (status: ints)
+/* Batch: in = s (9), measured (3), tolerance (1), weights (3); out = p (3), Q (9), raw (9), mismatch (3); steps count doubles (status: ints)
  * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
 KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_3_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],

@@ -1299,7 +1299,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward(
     double points[6];
     double axes[9];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (assembly == NULL) {
@@ -1677,7 +1676,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1703,7 +1702,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1840,7 +1839,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1884,7 +1883,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -1339,7 +1339,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1358,7 +1358,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1401,7 +1401,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1438,7 +1438,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -1174,7 +1174,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward(
     double points[6];
     double axes[9];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (box == NULL) {
@@ -1542,7 +1541,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1568,7 +1567,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1705,7 +1704,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1749,7 +1748,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

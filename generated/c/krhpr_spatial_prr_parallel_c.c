@@ -1199,7 +1199,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1218,7 +1218,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1261,7 +1261,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1298,7 +1298,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

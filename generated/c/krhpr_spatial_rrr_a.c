@@ -1214,7 +1214,6 @@ KRHPR_API int krhpr_spatial_rrr_a_forward(
     double points[6];
     double axes[9];
     double sextic[7];
-    double det_J;
     double inside[1];
     double ambiguous[1];
     if (box == NULL) {
@@ -1577,7 +1576,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1603,7 +1602,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1738,7 +1737,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     double angle[KRHPR_PADDED(3)] = {0.0};
@@ -1782,7 +1781,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

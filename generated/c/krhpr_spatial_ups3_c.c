@@ -1213,7 +1213,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1232,7 +1232,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1275,7 +1275,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1312,7 +1312,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -1229,7 +1229,7 @@ KRHPR_API int krhpr_spatial_upu3_b_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1249,7 +1249,7 @@ KRHPR_API int krhpr_spatial_upu3_b_forward_encoders_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }
@@ -1294,7 +1294,7 @@ KRHPR_API int krhpr_spatial_upu3_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
@@ -1332,7 +1332,7 @@ KRHPR_API int krhpr_spatial_upu3_b_forward_gauss_newton_3(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
-        krhpr_fill_nan(mismatch, 1);
+        krhpr_fill_nan(mismatch, 3);
     }
     return status;
 }

@@ -636,7 +636,7 @@ def forward_encoders_2(geometry: Any) -> Any:
             rt.Port("p", (2,), "shared"),
             rt.Port("phi", (), "shared"),
             rt.Port("raw", (2, 2), "shared"),
-            rt.Port("mismatch", (), "shared"),
+            rt.Port("mismatch", (1,), "shared"),
         ),
         geometry,
     )
@@ -671,7 +671,7 @@ def forward_encoders_3(geometry: Any) -> Any:
             rt.Port("p", (2,), "shared"),
             rt.Port("phi", (), "shared"),
             rt.Port("raw", (2, 2), "shared"),
-            rt.Port("mismatch", (), "shared"),
+            rt.Port("mismatch", (3,), "shared"),
         ),
         geometry,
     )

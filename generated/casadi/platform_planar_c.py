@@ -497,8 +497,8 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     t1 = 1 / d_12_2
     cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1
     sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
-    gap_0 = ca.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - ca.sqrt(d_12_2)
-    mismatch_a = ca.fabs(gap_0)
+    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_12_2)
     return (
         (  # points
             0,
@@ -523,10 +523,10 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
             -(e_1_1 * cos + e_1_0 * sin),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - ca.fabs(gap_0),
         ),
     )
 
@@ -558,14 +558,19 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
     u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
     u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
-    gap_0 = ca.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - ca.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
-    gap_1 = ca.sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - ca.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_2_0)
+    r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
+    gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
     t2 = s_13_0 - s_12_0
     t3 = s_13_1 - s_12_1
+    r_2_2 = t2 * t2 + t3 * t3
     t4 = d_13_0 - d_12_0
     t5 = d_13_1 - d_12_1
-    gap_2 = ca.sqrt(t2 * t2 + t3 * t3) - ca.sqrt(t4 * t4 + t5 * t5)
-    mismatch_a = ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2))
+    d_2_2 = t4 * t4 + t5 * t5
+    gap_2 = ca.sqrt(r_2_2) - ca.sqrt(d_2_2)
     return (
         (  # points
             0,
@@ -592,10 +597,12 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
             -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
+            gap_1,
+            gap_2,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2)),
         ),
     )
 

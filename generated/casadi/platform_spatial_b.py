@@ -725,7 +725,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (43 add, 67 multiply, 4 divide, 3 square root, 2 select)"""
+    Thesis: 3.2.4, (3.24).  (43 add, 68 multiply, 4 divide, 4 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -775,8 +775,8 @@ def two_encoders(
     t6 = 1 / d_12_2
     cos = points_10 * d_12_0 * t6
     sin = t6 * (points_10 * (e_1_1 - e_2_1))
-    gap_0 = ca.fabs(points_10) - ca.sqrt(d_12_2)
-    mismatch_a = ca.fabs(gap_0)
+    r_2_0 = points_10 * points_10
+    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -815,10 +815,10 @@ def two_encoders(
             -(e_1_1 * cos + e_1_0 * sin),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - ca.fabs(gap_0),
         ),
     )
 
@@ -826,7 +826,7 @@ def two_encoders(
 def three_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (62 add, 86 multiply, 4 divide, 7 square root, 6 select)"""
+    Thesis: 3.2.5, (3.30).  (62 add, 87 multiply, 4 divide, 8 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -886,14 +886,19 @@ def three_encoders(
     u_x_1 = t10 * (r_3_1 * (e_1_1 - e_2_1))
     u_y_0 = t10 * (r_3_0 * d_12_0 - points_10 * d_13_0)
     u_y_1 = t10 * (r_3_1 * d_12_0)
-    gap_0 = ca.fabs(points_10) - ca.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
+    r_2_0 = points_10 * points_10
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_2_0)
     t11 = r_3_1 * r_3_1
-    gap_1 = ca.sqrt(r_3_0 * r_3_0 + t11) - ca.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    r_2_1 = r_3_0 * r_3_0 + t11
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
+    gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
     t12 = r_3_0 - t7 - t8 - t9
+    r_2_2 = t11 + t12 * t12
     t13 = d_13_0 - d_12_0
     t14 = d_13_1 - d_12_1
-    gap_2 = ca.sqrt(t11 + t12 * t12) - ca.sqrt(t13 * t13 + t14 * t14)
-    mismatch_a = ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2))
+    d_2_2 = t13 * t13 + t14 * t14
+    gap_2 = ca.sqrt(r_2_2) - ca.sqrt(d_2_2)
     return (
         (  # flatness
             flatness_0,
@@ -934,10 +939,12 @@ def three_encoders(
             -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
+            gap_1,
+            gap_2,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2)),
         ),
     )
 

@@ -687,7 +687,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
 
 def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (37 add, 63 multiply, 4 divide, 3 square root, 2 select)"""
+    Thesis: 3.2.4, (3.24).  (37 add, 64 multiply, 4 divide, 4 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -733,8 +733,8 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     t4 = 1 / d_12_2
     cos = points_10 * d_12_0 * t4
     sin = t4 * (points_10 * (e_1_1 - e_2_1))
-    gap_0 = ca.fabs(points_10) - ca.sqrt(d_12_2)
-    mismatch_a = ca.fabs(gap_0)
+    r_2_0 = points_10 * points_10
+    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -773,17 +773,17 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
             -(e_1_1 * cos + e_1_0 * sin),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - ca.fabs(gap_0),
         ),
     )
 
 
 def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (53 add, 80 multiply, 4 divide, 7 square root, 6 select)"""
+    Thesis: 3.2.5, (3.30).  (53 add, 81 multiply, 4 divide, 8 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -838,14 +838,19 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     u_x_1 = t7 * (r_3_1 * (e_1_1 - e_2_1))
     u_y_0 = t7 * (r_3_0 * d_12_0 - points_10 * d_13_0)
     u_y_1 = t7 * (r_3_1 * d_12_0)
-    gap_0 = ca.fabs(points_10) - ca.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
+    r_2_0 = points_10 * points_10
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_2_0)
     t8 = r_3_1 * r_3_1
-    gap_1 = ca.sqrt(r_3_0 * r_3_0 + t8) - ca.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    r_2_1 = r_3_0 * r_3_0 + t8
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
+    gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
     t9 = r_3_0 - t4 - t5 - t6
+    r_2_2 = t8 + t9 * t9
     t10 = d_13_0 - d_12_0
     t11 = d_13_1 - d_12_1
-    gap_2 = ca.sqrt(t8 + t9 * t9) - ca.sqrt(t10 * t10 + t11 * t11)
-    mismatch_a = ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2))
+    d_2_2 = t10 * t10 + t11 * t11
+    gap_2 = ca.sqrt(r_2_2) - ca.sqrt(d_2_2)
     return (
         (  # flatness
             flatness_0,
@@ -886,10 +891,12 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
             -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
+            gap_1,
+            gap_2,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - ca.fmax(ca.fmax(ca.fabs(gap_0), ca.fabs(gap_1)), ca.fabs(gap_2)),
         ),
     )
 

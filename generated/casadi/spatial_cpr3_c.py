@@ -602,7 +602,7 @@ def forward_encoders_2(geometry: Any) -> Any:
             rt.Port("p", (3,), "shared"),
             rt.Port("Q", (3, 3), "shared"),
             rt.Port("raw", (3, 3), "shared"),
-            rt.Port("mismatch", (), "shared"),
+            rt.Port("mismatch", (1,), "shared"),
         ),
         geometry,
     )
@@ -631,7 +631,7 @@ def forward_encoders_3(geometry: Any) -> Any:
             rt.Port("p", (3,), "shared"),
             rt.Port("Q", (3, 3), "shared"),
             rt.Port("raw", (3, 3), "shared"),
-            rt.Port("mismatch", (), "shared"),
+            rt.Port("mismatch", (3,), "shared"),
         ),
         geometry,
     )

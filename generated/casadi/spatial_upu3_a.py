@@ -648,7 +648,7 @@ def forward_encoders_2(geometry: Any) -> Any:
             rt.Port("p", (3,), "shared"),
             rt.Port("Q", (3, 3), "shared"),
             rt.Port("raw", (3, 3), "shared"),
-            rt.Port("mismatch", (), "shared"),
+            rt.Port("mismatch", (1,), "shared"),
         ),
         geometry,
     )
@@ -683,7 +683,7 @@ def forward_encoders_3(geometry: Any) -> Any:
             rt.Port("p", (3,), "shared"),
             rt.Port("Q", (3, 3), "shared"),
             rt.Port("raw", (3, 3), "shared"),
-            rt.Port("mismatch", (), "shared"),
+            rt.Port("mismatch", (3,), "shared"),
         ),
         geometry,
     )

@@ -570,7 +570,7 @@ SIGNATURES = {
         (
             rt.Port("p", (2, 2), "m", "base", "position of O', NaN behind the last", "shared", ()),
             rt.Port("phi", (2,), "rad", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
-            rt.Port("mismatch", (2,), "m", "-", "by how much the third link's length disagrees", "shared", ()),
+            rt.Port("mismatch", (2,), "m", "-", "by how much the third link is longer or shorter than it is, for each solution", "shared", ()),
         ),
         "(3,2),(1),()->(2,2),(2),(2),()",
     ),
@@ -606,9 +606,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,2),(2),()->(2),(),(2,2),(),()",
+        "(3,2),(2),()->(2),(),(2,2),(1),()",
     ),
     "forward_encoders_3": rt.Signature(
         "forward_encoders_3",
@@ -623,9 +623,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,2),(3),()->(2),(),(2,2),(),()",
+        "(3,2),(3),()->(2),(),(2,2),(3),()",
     ),
     "forward_gauss_newton_2": rt.Signature(
         "forward_gauss_newton_2",
@@ -641,9 +641,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,2),(2),(),(3)->(2),(),(2,2),(),()",
+        "(3,2),(2),(),(3)->(2),(),(2,2),(1),()",
     ),
     "forward_gauss_newton_3": rt.Signature(
         "forward_gauss_newton_3",
@@ -659,9 +659,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,2),(3),(),(3)->(2),(),(2,2),(),()",
+        "(3,2),(3),(),(3)->(2),(),(2,2),(3),()",
     ),
 }
 
@@ -1764,7 +1764,8 @@ def forward_encoders_1(
         p (..., 2, 2) [m] in the base frame: position of O', NaN behind the last
         phi (..., 2) [rad] in the base frame: orientation, base from platform, NaN behind the
             last
-        mismatch (..., 2) [m]: by how much the third link's length disagrees
+        mismatch (..., 2) [m]: by how much the third link is longer or shorter than it is, for
+            each solution
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1855,7 +1856,7 @@ def forward_encoders_2(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1903,7 +1904,8 @@ def forward_encoders_3(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1952,7 +1954,7 @@ def forward_gauss_newton_2(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -2007,7 +2009,8 @@ def forward_gauss_newton_3(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02

@@ -566,9 +566,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,2),(2),()->(2),(),(2,2),(),()",
+        "(3,2),(2),()->(2),(),(2,2),(1),()",
     ),
     "forward_encoders_3": rt.Signature(
         "forward_encoders_3",
@@ -583,9 +583,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,2),(3),()->(2),(),(2,2),(),()",
+        "(3,2),(3),()->(2),(),(2,2),(3),()",
     ),
     "forward_gauss_newton_3": rt.Signature(
         "forward_gauss_newton_3",
@@ -601,9 +601,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,2),(3),(),(3)->(2),(),(2,2),(),()",
+        "(3,2),(3),(),(3)->(2),(),(2,2),(3),()",
     ),
 }
 
@@ -1654,7 +1654,7 @@ def forward_encoders_2(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1699,7 +1699,8 @@ def forward_encoders_3(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1745,7 +1746,8 @@ def forward_gauss_newton_3(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02

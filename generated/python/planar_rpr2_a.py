@@ -548,7 +548,7 @@ SIGNATURES = {
         (
             rt.Port("p", (2, 2), "m", "base", "position of O', NaN behind the last", "shared", ()),
             rt.Port("phi", (2,), "rad", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
-            rt.Port("mismatch", (2,), "m", "-", "by how much the third link's length disagrees", "shared", ()),
+            rt.Port("mismatch", (2,), "m", "-", "by how much the third link is longer or shorter than it is, for each solution", "shared", ()),
         ),
         "(3,2),(1),()->(2,2),(2),(2),()",
     ),
@@ -584,9 +584,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,2),(2),()->(2),(),(2,2),(),()",
+        "(3,2),(2),()->(2),(),(2,2),(1),()",
     ),
     "forward_encoders_3": rt.Signature(
         "forward_encoders_3",
@@ -601,9 +601,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,2),(3),()->(2),(),(2,2),(),()",
+        "(3,2),(3),()->(2),(),(2,2),(3),()",
     ),
     "forward_gauss_newton_2": rt.Signature(
         "forward_gauss_newton_2",
@@ -619,9 +619,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,2),(2),(),(3)->(2),(),(2,2),(),()",
+        "(3,2),(2),(),(3)->(2),(),(2,2),(1),()",
     ),
     "forward_gauss_newton_3": rt.Signature(
         "forward_gauss_newton_3",
@@ -637,9 +637,9 @@ SIGNATURES = {
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
             rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,2),(3),(),(3)->(2),(),(2,2),(),()",
+        "(3,2),(3),(),(3)->(2),(),(2,2),(3),()",
     ),
 }
 
@@ -1729,7 +1729,8 @@ def forward_encoders_1(
         p (..., 2, 2) [m] in the base frame: position of O', NaN behind the last
         phi (..., 2) [rad] in the base frame: orientation, base from platform, NaN behind the
             last
-        mismatch (..., 2) [m]: by how much the third link's length disagrees
+        mismatch (..., 2) [m]: by how much the third link is longer or shorter than it is, for
+            each solution
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1820,7 +1821,7 @@ def forward_encoders_2(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1868,7 +1869,8 @@ def forward_encoders_3(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1917,7 +1919,7 @@ def forward_gauss_newton_2(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1972,7 +1974,8 @@ def forward_gauss_newton_3(
         p (..., 2) [m] in the base frame: position of O'
         phi (...) [rad] in the base frame: orientation, base from platform
         raw (..., 2, 2) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02

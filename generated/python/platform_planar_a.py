@@ -906,8 +906,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (50 add, 50
-    multiply, 2 divide, 3 square root, 2 arctangent, 5 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 54
+    multiply, 2 divide, 3 square root, 2 arctangent, 4 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -942,12 +942,12 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     a_3_plus_0 = w_3_0 * cos_plus - s_13_0 - w_3_1 * sin_plus  # S_3 to B_3
     a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - s_13_1
     miss_plus = np.sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length_2
-    t7 = np.abs(miss_plus)
     cos_minus = t3 + t4
     sin_minus = t5 - t6
     a_3_minus_0 = w_3_0 * cos_minus - s_13_0 - w_3_1 * sin_minus  # S_3 to B_3
     a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - s_13_1
     miss_minus = np.sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length_2
+    t7 = np.abs(miss_plus)
     t8 = np.abs(miss_minus)
     gap = t8 - t7
     sign = gap / np.abs(gap)
@@ -957,7 +957,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     sin_best = t5 + t10
     cos_other = t3 + t9
     sin_other = t5 - t10
-    mismatch_0 = np.fmin(t7, t8)
+    t11 = 0.5 * miss_minus + 0.5 * miss_plus
+    t12 = 0.5 * sign * (miss_plus - miss_minus)
     return (
         (  # radicand
             radicand_a,
@@ -973,11 +974,11 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             np.arctan2(sin_other, cos_other),
         ),
         (  # mismatch
-            mismatch_0,
-            np.fmax(t7, t8),
+            t11 + t12,
+            t11 - t12,
         ),
         (  # agreement
-            tolerance - mismatch_0,
+            tolerance - np.fmin(t7, t8),
         ),
     )
 
@@ -1004,8 +1005,8 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     t1 = 1 / d_12_2
     cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1
     sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
-    gap_0 = np.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - np.sqrt(d_12_2)
-    mismatch_a = np.abs(gap_0)
+    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_12_2)
     return (
         (  # points
             0,
@@ -1030,10 +1031,10 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             -(e_1_1 * cos + e_1_0 * sin),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - np.abs(gap_0),
         ),
     )
 
@@ -1066,14 +1067,19 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
     u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
     u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
-    gap_0 = np.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - np.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
-    gap_1 = np.sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - np.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_2_0)
+    r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
+    gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
     t2 = s_13_0 - s_12_0
     t3 = s_13_1 - s_12_1
+    r_2_2 = t2 * t2 + t3 * t3
     t4 = d_13_0 - d_12_0
     t5 = d_13_1 - d_12_1
-    gap_2 = np.sqrt(t2 * t2 + t3 * t3) - np.sqrt(t4 * t4 + t5 * t5)
-    mismatch_a = np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2))
+    d_2_2 = t4 * t4 + t5 * t5
+    gap_2 = np.sqrt(r_2_2) - np.sqrt(d_2_2)
     return (
         (  # points
             0,
@@ -1100,10 +1106,12 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
             -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
+            gap_1,
+            gap_2,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2)),
         ),
     )
 

@@ -546,8 +546,8 @@ def two_encoders(
     t3 = 1 / d_12_2
     cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3
     sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
-    gap_0 = np.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - np.sqrt(d_12_2)
-    mismatch_a = np.abs(gap_0)
+    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_12_2)
     return (
         (  # points
             0,
@@ -572,10 +572,10 @@ def two_encoders(
             -(e_1_1 * cos + e_1_0 * sin),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - np.abs(gap_0),
         ),
     )
 
@@ -613,14 +613,19 @@ def three_encoders(
     u_x_1 = t4 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
     u_y_0 = t4 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
     u_y_1 = t4 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
-    gap_0 = np.sqrt(s_12_0 * s_12_0 + s_12_1 * s_12_1) - np.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
-    gap_1 = np.sqrt(s_13_0 * s_13_0 + s_13_1 * s_13_1) - np.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_2_0)
+    r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
+    gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
     t5 = s_13_0 - s_12_0
     t6 = s_13_1 - s_12_1
+    r_2_2 = t5 * t5 + t6 * t6
     t7 = d_13_0 - d_12_0
     t8 = d_13_1 - d_12_1
-    gap_2 = np.sqrt(t5 * t5 + t6 * t6) - np.sqrt(t7 * t7 + t8 * t8)
-    mismatch_a = np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2))
+    d_2_2 = t7 * t7 + t8 * t8
+    gap_2 = np.sqrt(r_2_2) - np.sqrt(d_2_2)
     return (
         (  # points
             0,
@@ -647,10 +652,12 @@ def three_encoders(
             -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
+            gap_1,
+            gap_2,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2)),
         ),
     )
 

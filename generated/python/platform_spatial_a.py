@@ -1149,8 +1149,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 127
-    multiply, 5 divide, 5 square root, 5 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 131
+    multiply, 5 divide, 5 square root, 4 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1210,12 +1210,12 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus  # S_3 to B_3
     a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1
     miss_plus = np.sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length_2
-    t9 = np.abs(miss_plus)
     cos_minus = t5 + t6
     sin_minus = t7 - t8
     a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus  # S_3 to B_3
     a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1
     miss_minus = np.sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length_2
+    t9 = np.abs(miss_plus)
     t10 = np.abs(miss_minus)
     gap = t10 - t9
     sign = gap / np.abs(gap)
@@ -1229,7 +1229,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t14 = e_1_1 * cos_best + e_1_0 * sin_best
     t15 = e_1_1 * sin_other - e_1_0 * cos_other
     t16 = e_1_1 * cos_other + e_1_0 * sin_other
-    mismatch_0 = np.fmin(t9, t10)
+    t17 = 0.5 * miss_minus + 0.5 * miss_plus
+    t18 = 0.5 * sign * (miss_plus - miss_minus)
     return (
         (  # flatness
             flatness_0,
@@ -1266,18 +1267,18 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             z_1_2,
         ),
         (  # mismatch
-            mismatch_0,
-            np.fmax(t9, t10),
+            t17 + t18,
+            t17 - t18,
         ),
         (  # agreement
-            tolerance - mismatch_0,
+            tolerance - np.fmin(t9, t10),
         ),
     )
 
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (45 add, 63 multiply, 4 divide, 3 square root, 2 select)"""
+    Thesis: 3.2.4, (3.24).  (45 add, 64 multiply, 4 divide, 4 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1323,8 +1324,8 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     t3 = 1 / d_12_2
     cos = points_10 * d_12_0 * t3
     sin = t3 * (points_10 * (e_1_1 - e_2_1))
-    gap_0 = np.abs(points_10) - np.sqrt(d_12_2)
-    mismatch_a = np.abs(gap_0)
+    r_2_0 = points_10 * points_10
+    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -1363,17 +1364,17 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             -(e_1_1 * cos + e_1_0 * sin),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - np.abs(gap_0),
         ),
     )
 
 
 def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (65 add, 82 multiply, 4 divide, 7 square root, 6 select)"""
+    Thesis: 3.2.5, (3.30).  (65 add, 83 multiply, 4 divide, 8 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1428,14 +1429,19 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1))
     u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0)
     u_y_1 = t6 * (r_3_1 * d_12_0)
-    gap_0 = np.abs(points_10) - np.sqrt(d_12_0 * d_12_0 + d_12_1 * d_12_1)
+    r_2_0 = points_10 * points_10
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_2_0)
     t7 = r_3_1 * r_3_1
-    gap_1 = np.sqrt(r_3_0 * r_3_0 + t7) - np.sqrt(d_13_0 * d_13_0 + d_13_1 * d_13_1)
+    r_2_1 = r_3_0 * r_3_0 + t7
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
+    gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
     t8 = r_3_0 - t3 - t4 - t5
+    r_2_2 = t7 + t8 * t8
     t9 = d_13_0 - d_12_0
     t10 = d_13_1 - d_12_1
-    gap_2 = np.sqrt(t7 + t8 * t8) - np.sqrt(t9 * t9 + t10 * t10)
-    mismatch_a = np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2))
+    d_2_2 = t9 * t9 + t10 * t10
+    gap_2 = np.sqrt(r_2_2) - np.sqrt(d_2_2)
     return (
         (  # flatness
             flatness_0,
@@ -1476,10 +1482,12 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
             -(e_1_0 * u_x_1 + e_1_1 * u_y_1),
         ),
         (  # mismatch
-            mismatch_a,
+            gap_0,
+            gap_1,
+            gap_2,
         ),
         (  # agreement
-            tolerance - mismatch_a,
+            tolerance - np.fmax(np.fmax(np.abs(gap_0), np.abs(gap_1)), np.abs(gap_2)),
         ),
     )
 

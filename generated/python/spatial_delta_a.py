@@ -609,7 +609,7 @@ SIGNATURES = {
         (
             rt.Port("p", (2, 3), "m", "base", "position of O', NaN behind the last", "shared", ()),
             rt.Port("Q", (2, 3, 3), "1", "base", "orientation, base from platform, NaN behind the last", "shared", ()),
-            rt.Port("mismatch", (2,), "m", "-", "by how much the third link's length disagrees", "shared", ()),
+            rt.Port("mismatch", (2,), "m", "-", "by how much the third link is longer or shorter than it is, for each solution", "shared", ()),
         ),
         "(3,3),(1),()->(2,3),(2,3,3),(2),()",
     ),
@@ -646,9 +646,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,3),(2),()->(3),(3,3),(3,3),(),()",
+        "(3,3),(2),()->(3),(3,3),(3,3),(1),()",
     ),
     "forward_encoders_3": rt.Signature(
         "forward_encoders_3",
@@ -663,9 +663,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,3),(3),()->(3),(3,3),(3,3),(),()",
+        "(3,3),(3),()->(3),(3,3),(3,3),(3),()",
     ),
     "forward_gauss_newton_2": rt.Signature(
         "forward_gauss_newton_2",
@@ -681,9 +681,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,3),(2),(),(3)->(3),(3,3),(3,3),(),()",
+        "(3,3),(2),(),(3)->(3),(3,3),(3,3),(1),()",
     ),
     "forward_gauss_newton_3": rt.Signature(
         "forward_gauss_newton_3",
@@ -699,9 +699,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,3),(3),(),(3)->(3),(3,3),(3,3),(),()",
+        "(3,3),(3),(),(3)->(3),(3,3),(3,3),(3),()",
     ),
 }
 
@@ -1838,7 +1838,8 @@ def forward_encoders_1(
     Returns:
         p (..., 2, 3) [m] in the base frame: position of O', NaN behind the last
         Q (..., 2, 3, 3) in the base frame: orientation, base from platform, NaN behind the last
-        mismatch (..., 2) [m]: by how much the third link's length disagrees
+        mismatch (..., 2) [m]: by how much the third link is longer or shorter than it is, for
+            each solution
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1934,7 +1935,7 @@ def forward_encoders_2(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1983,7 +1984,8 @@ def forward_encoders_3(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -2033,7 +2035,7 @@ def forward_gauss_newton_2(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -2089,7 +2091,8 @@ def forward_gauss_newton_3(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02

@@ -577,9 +577,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
         ),
-        "(3,3),(2),()->(3),(3,3),(3,3),(),()",
+        "(3,3),(2),()->(3),(3,3),(3,3),(1),()",
     ),
     "forward_encoders_3": rt.Signature(
         "forward_encoders_3",
@@ -594,9 +594,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,3),(3),()->(3),(3,3),(3,3),(),()",
+        "(3,3),(3),()->(3),(3,3),(3,3),(3),()",
     ),
     "forward_gauss_newton_3": rt.Signature(
         "forward_gauss_newton_3",
@@ -612,9 +612,9 @@ SIGNATURES = {
             rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
             rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
             rt.Port("raw", (3, 3), "1", "base", "orientation as the equations give it", "shared", ()),
-            rt.Port("mismatch", (), "m", "-", "by how much distances of end points, or the third link, disagree", "shared", ()),
+            rt.Port("mismatch", (3,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12, 13, 23", "shared", ("12", "13", "23", )),
         ),
-        "(3,3),(3),(),(3)->(3),(3,3),(3,3),(),()",
+        "(3,3),(3),(),(3)->(3),(3,3),(3,3),(3),()",
     ),
 }
 
@@ -1677,7 +1677,7 @@ def forward_encoders_2(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1723,7 +1723,8 @@ def forward_encoders_3(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02
@@ -1770,7 +1771,8 @@ def forward_gauss_newton_3(
         p (..., 3) [m] in the base frame: position of O'
         Q (..., 3, 3) in the base frame: orientation, base from platform
         raw (..., 3, 3) in the base frame: orientation as the equations give it
-        mismatch (...) [m]: by how much distances of end points, or the third link, disagree
+        mismatch (..., 3) [m]: |S_i S_j| less what encoders say, for the legs 12, 13, 23 [12,
+            13, 23]
     """
     if tolerance is None:
         tolerance = 0.02

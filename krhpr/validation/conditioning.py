@@ -29,7 +29,7 @@ SURE = 0.97
 
 def solves(function: RobotFunction) -> bool:
     """Whether a function solves for a pose, so that its errors are those of its condition."""
-    return function.name.startswith("forward") or bool(function.steps)
+    return function.name.startswith(("forward", "subleg_forward_all")) or bool(function.steps)
 
 
 def condition(function: RobotFunction, batch: Batch, seed: int) -> Floats:

@@ -126,7 +126,9 @@ def _proofs(robot: RobotCode) -> Iterator[Check]:
     for proof in ROBOT_PROOFS:
         if proof.kernel not in functions or (proof.needs and proof.needs not in kernels):
             continue
-        yield _proof(robot, proof, proof.kernel, proof.also, "")
+        # of the kernels named, those that the arrangement has
+        also = tuple(name for name in proof.also if "." not in name or name in kernels)
+        yield _proof(robot, proof, proof.kernel, also, "")
 
 
 def _proof(robot: RobotCode, proof: Proof, function: str, also: tuple[str, ...], shared: str) -> Check:

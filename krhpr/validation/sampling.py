@@ -244,7 +244,7 @@ def _complete(
     values["theta_near"] = values["theta"] + near + 2 * np.pi * turns
     if any(function.name == "forward_encoders_1" for function in subject.code.functions):
         found = evaluate(subject, "forward_encoders_1", values, geometry)
-        best, other = found["mismatch"].T
+        best, other = np.abs(found["mismatch"]).T
         good &= (best < other / 4) & (other > 0.002)
     return {name: array[good] for name, array in values.items()}
 

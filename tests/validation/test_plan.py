@@ -74,7 +74,7 @@ def test_every_function_is_checked_on_every_target(robot) -> None:
     for function in robot.functions:
         targets = {Target.C, Target.NUMPY} | (set() if function.procedure else {Target.CASADI})
         # what is found at the roots of a polynomial is held to the proven kernels by invariants
-        exact = (Kind.IDENTITY, Kind.DIGITS) if function.each is None else (Kind.INVARIANT,)
+        exact = (Kind.INVARIANT,) if robot.finds_roots(function) else (Kind.IDENTITY, Kind.DIGITS)
         for kind in exact:
             assert {
                 c.target for c in checks(robot.identifier, kind) if c.function == function.name

@@ -173,6 +173,15 @@ static const casadi_int P71[3] = {1, 3, 1};
 static const casadi_int P72[3] = {4, 6, 1};
 static const casadi_int P73[3] = {2, 6, 1};
 static const casadi_int P74[3] = {6, 6, 1};
+static const casadi_int P75[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P76[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P77[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P78[4] = {4, 1, 0, 0};
+static const casadi_int P79[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P80[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P81[3] = {4, 3, 1};
+static const casadi_int P82[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P83[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1202,6 +1211,27 @@ static int value_forward_encoders_2(const double *x, double *y)
     return plain_forward_encoders_2(&geometry, x, x + 6, x[8], y, y + 2, y + 3, y + 7);
 }
 
+static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 6;
+    const krhpr_dual *const tolerance = given + 8;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 2;
+    krhpr_dual *const raw = found + 3;
+    krhpr_dual *const mismatch = found + 7;
+    krhpr_dual slide[6];
+    krhpr_dual points[6];
+    krhpr_dual ends[4];
+    krhpr_dual linear[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_planar_c_two_encoders_tangent(
+        s, measured, slide, tolerance, points, ends, linear, mismatch);
+    krhpr_platform_planar_c_encoder_pose_tangent(s, linear, p, phi, raw);
+}
+
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
     {"out_measured", 2, 1, 1, NULL, P0, P1},
@@ -1213,16 +1243,45 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_raw", 2, 2, 1, NULL, P8, P9},
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
+static const casadi_int *const structure_forward_encoders_2[] = {
+    P75, P8, P1, P76, P14, P3, P77, P48, P78, P76, P14, P3
+};
+static const char *const names_forward_encoders_2[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
+};
 static const krhpr_casadi_function function_forward_encoders_2 = {
-    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, tangent_forward_encoders_2, structure_forward_encoders_2, names_forward_encoders_2
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_2), function_forward_encoders_2)
 
 /* -- forward_encoders_3 -- */
 
 static int value_forward_encoders_3(const double *x, double *y)
 {
     return plain_forward_encoders_3(&geometry, x, x + 6, x[9], y, y + 2, y + 3, y + 7);
+}
+
+static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 6;
+    const krhpr_dual *const tolerance = given + 9;
+    krhpr_dual *const p = found;
+    krhpr_dual *const phi = found + 2;
+    krhpr_dual *const raw = found + 3;
+    krhpr_dual *const mismatch = found + 7;
+    krhpr_dual slide[6];
+    krhpr_dual points[6];
+    krhpr_dual ends[6];
+    krhpr_dual linear[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_planar_c_three_encoders_tangent(
+        s, measured, slide, tolerance, points, ends, linear, mismatch);
+    krhpr_platform_planar_c_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {
@@ -1234,9 +1293,17 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
     {"out_raw", 2, 2, 1, NULL, P8, P9},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_mismatch", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_encoders_3[] = {
+    P79, P16, P1, P69, P71, P3, P80, P81, P78, P82, P83, P5
+};
+static const char *const names_forward_encoders_3[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
 };
 static const krhpr_casadi_function function_forward_encoders_3 = {
-    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, tangent_forward_encoders_3, structure_forward_encoders_3, names_forward_encoders_3
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_3), function_forward_encoders_3)

@@ -783,11 +783,11 @@ static inline void krhpr_platform_planar_b_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (55 add, 60 multiply, 1 divide) */
+ * (3.24).  (61 add, 68 multiply, 3 divide, 2 square root) */
 static inline void krhpr_platform_planar_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double h1 = measured[0].v + start[0].v;
@@ -808,6 +808,12 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     const double cos = h4 * h3;
     const double h5 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
     const double sin = h3 * h5;
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t1 = sqrt(r_2_0);
+    const double t2 = sqrt(d_12_2);
+    const double gap_0 = t1 - t2;
+    const double h6 = 1.0 / t1;
+    const double h7 = 1.0 / t2;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -824,49 +830,54 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     linear[3].v = cos;
     linear[4].v = e_1_1 * sin - e_1_0 * cos;
     linear[5].v = -(e_1_1 * cos + e_1_0 * sin);
+    mismatch[0].v = gap_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = measured[0].t[k] + start[0].t[k];
-        const double t2 = h1 * slide[0].t[k] + slide[0].v * t1 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
-        const double t3 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t1);
-        const double t4 = measured[1].t[k] + start[1].t[k];
-        const double t5 = h2 * slide[2].t[k] + slide[2].v * t4 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
-        const double t6 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t4);
-        const double t7 = s[2].t[k] - s[0].t[k];
-        const double t8 = s[3].t[k] - s[1].t[k];
-        const double t9 = t5 - t2;
-        const double t10 = t6 - t3;
-        const double t11 = d_12_0 * t9;
-        const double t12 = d_12_1 * t10;
-        const double t13 = h3 * (h3 * (t11 + t11 + (t12 + t12)));
-        const double t14 = h3 * (d_12_0 * t7 + s_12_0 * t9 + (d_12_1 * t8 + s_12_1 * t10)) - h4 * t13;
-        const double t15 = h5 * t13;
-        const double t16 = h3 * (d_12_0 * t8 + s_12_1 * t9 - (d_12_1 * t7 + s_12_0 * t10));
-        const double t17 = t16 - t15;
+        const double t3 = measured[0].t[k] + start[0].t[k];
+        const double t4 = h1 * slide[0].t[k] + slide[0].v * t3 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
+        const double t5 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t3);
+        const double t6 = measured[1].t[k] + start[1].t[k];
+        const double t7 = h2 * slide[2].t[k] + slide[2].v * t6 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
+        const double t8 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t6);
+        const double t9 = s[2].t[k] - s[0].t[k];
+        const double t10 = s[3].t[k] - s[1].t[k];
+        const double t11 = t7 - t4;
+        const double t12 = t8 - t5;
+        const double t13 = d_12_0 * t11;
+        const double t14 = d_12_1 * t12;
+        const double t15 = t13 + t13 + (t14 + t14);
+        const double t16 = h3 * (h3 * t15);
+        const double t17 = h3 * (d_12_0 * t9 + s_12_0 * t11 + (d_12_1 * t10 + s_12_1 * t12)) - h4 * t16;
+        const double t18 = h5 * t16;
+        const double t19 = h3 * (d_12_0 * t10 + s_12_1 * t11 - (d_12_1 * t9 + s_12_0 * t12));
+        const double t20 = t19 - t18;
+        const double t21 = s_12_0 * t9;
+        const double t22 = s_12_1 * t10;
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t7;
-        points[3].t[k] = t8;
+        points[2].t[k] = t9;
+        points[3].t[k] = t10;
         points[4].t[k] = s[4].t[k] - s[0].t[k];
         points[5].t[k] = s[5].t[k] - s[1].t[k];
-        ends[0].t[k] = t2;
-        ends[1].t[k] = t3;
-        ends[2].t[k] = t5;
-        ends[3].t[k] = t6;
-        linear[0].t[k] = t14;
-        linear[1].t[k] = t17;
-        linear[2].t[k] = t15 - t16;
-        linear[3].t[k] = t14;
-        linear[4].t[k] = sin * t3 + e_1_1 * t17 - (cos * t2 + e_1_0 * t14);
-        linear[5].t[k] = -(cos * t3 + e_1_1 * t14 + (sin * t2 + e_1_0 * t17));
+        ends[0].t[k] = t4;
+        ends[1].t[k] = t5;
+        ends[2].t[k] = t7;
+        ends[3].t[k] = t8;
+        linear[0].t[k] = t17;
+        linear[1].t[k] = t20;
+        linear[2].t[k] = t18 - t19;
+        linear[3].t[k] = t17;
+        linear[4].t[k] = sin * t5 + e_1_1 * t20 - (cos * t4 + e_1_0 * t17);
+        linear[5].t[k] = -(cos * t5 + e_1_1 * t17 + (sin * t4 + e_1_0 * t20));
+        mismatch[0].t[k] = h6 * (0.5 * (t21 + t21 + (t22 + t22))) - h7 * (0.5 * t15);
     }
 }
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
- * (3.30).  (78 add, 92 multiply, 1 divide) */
+ * (3.30).  (116 add, 128 multiply, 7 divide, 6 square root) */
 static inline void krhpr_platform_planar_b_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double h1 = measured[0].v + start[0].v;
@@ -896,6 +907,31 @@ static inline void krhpr_platform_planar_b_three_encoders_tangent(
     const double u_y_0 = h4 * h7;
     const double h8 = s_13_1 * d_12_0 - s_12_1 * d_13_0;
     const double u_y_1 = h4 * h8;
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double t1 = sqrt(r_2_0);
+    const double t2 = sqrt(d_2_0);
+    const double gap_0 = t1 - t2;
+    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double t3 = sqrt(r_2_1);
+    const double t4 = sqrt(d_2_1);
+    const double gap_1 = t3 - t4;
+    const double h13 = s_13_0 - s_12_0;
+    const double h14 = s_13_1 - s_12_1;
+    const double r_2_2 = h13 * h13 + h14 * h14;
+    const double h15 = d_13_0 - d_12_0;
+    const double h16 = d_13_1 - d_12_1;
+    const double d_2_2 = h15 * h15 + h16 * h16;
+    const double t5 = sqrt(r_2_2);
+    const double t6 = sqrt(d_2_2);
+    const double gap_2 = t5 - t6;
+    const double h9 = 1.0 / t1;
+    const double h10 = 1.0 / t2;
+    const double h11 = 1.0 / t3;
+    const double h12 = 1.0 / t4;
+    const double h17 = 1.0 / t5;
+    const double h18 = 1.0 / t6;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -914,47 +950,68 @@ static inline void krhpr_platform_planar_b_three_encoders_tangent(
     linear[3].v = u_y_1;
     linear[4].v = -(e_1_0 * u_x_0 + e_1_1 * u_y_0);
     linear[5].v = -(e_1_0 * u_x_1 + e_1_1 * u_y_1);
+    mismatch[0].v = gap_0;
+    mismatch[1].v = gap_1;
+    mismatch[2].v = gap_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = measured[0].t[k] + start[0].t[k];
-        const double t2 = h1 * slide[0].t[k] + slide[0].v * t1 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
-        const double t3 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t1);
-        const double t4 = measured[1].t[k] + start[1].t[k];
-        const double t5 = h2 * slide[2].t[k] + slide[2].v * t4 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
-        const double t6 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t4);
-        const double t7 = measured[2].t[k] + start[2].t[k];
-        const double t8 = h3 * slide[4].t[k] + slide[4].v * t7 - (distance[2].v * slide[5].t[k] + slide[5].v * distance[2].t[k]);
-        const double t9 = distance[2].v * slide[4].t[k] + slide[4].v * distance[2].t[k] + (h3 * slide[5].t[k] + slide[5].v * t7);
-        const double t10 = s[2].t[k] - s[0].t[k];
-        const double t11 = s[3].t[k] - s[1].t[k];
-        const double t12 = s[4].t[k] - s[0].t[k];
-        const double t13 = s[5].t[k] - s[1].t[k];
-        const double t14 = t5 - t2;
-        const double t15 = t6 - t3;
-        const double t16 = t8 - t2;
-        const double t17 = t9 - t3;
-        const double t18 = h4 * (h4 * (d_13_1 * t14 + d_12_0 * t17 - (d_13_0 * t15 + d_12_1 * t16)));
-        const double t19 = h4 * (d_13_1 * t10 + s_12_0 * t17 - (d_12_1 * t12 + s_13_0 * t15)) - h5 * t18;
-        const double t20 = h4 * (d_13_1 * t11 + s_12_1 * t17 - (d_12_1 * t13 + s_13_1 * t15)) - h6 * t18;
-        const double t21 = h4 * (d_12_0 * t12 + s_13_0 * t14 - (d_13_0 * t10 + s_12_0 * t16)) - h7 * t18;
-        const double t22 = h4 * (d_12_0 * t13 + s_13_1 * t14 - (d_13_0 * t11 + s_12_1 * t16)) - h8 * t18;
+        const double t7 = measured[0].t[k] + start[0].t[k];
+        const double t8 = h1 * slide[0].t[k] + slide[0].v * t7 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
+        const double t9 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t7);
+        const double t10 = measured[1].t[k] + start[1].t[k];
+        const double t11 = h2 * slide[2].t[k] + slide[2].v * t10 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
+        const double t12 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t10);
+        const double t13 = measured[2].t[k] + start[2].t[k];
+        const double t14 = h3 * slide[4].t[k] + slide[4].v * t13 - (distance[2].v * slide[5].t[k] + slide[5].v * distance[2].t[k]);
+        const double t15 = distance[2].v * slide[4].t[k] + slide[4].v * distance[2].t[k] + (h3 * slide[5].t[k] + slide[5].v * t13);
+        const double t16 = s[2].t[k] - s[0].t[k];
+        const double t17 = s[3].t[k] - s[1].t[k];
+        const double t18 = s[4].t[k] - s[0].t[k];
+        const double t19 = s[5].t[k] - s[1].t[k];
+        const double t20 = t11 - t8;
+        const double t21 = t12 - t9;
+        const double t22 = t14 - t8;
+        const double t23 = t15 - t9;
+        const double t24 = h4 * (h4 * (d_13_1 * t20 + d_12_0 * t23 - (d_13_0 * t21 + d_12_1 * t22)));
+        const double t25 = h4 * (d_13_1 * t16 + s_12_0 * t23 - (d_12_1 * t18 + s_13_0 * t21)) - h5 * t24;
+        const double t26 = h4 * (d_13_1 * t17 + s_12_1 * t23 - (d_12_1 * t19 + s_13_1 * t21)) - h6 * t24;
+        const double t27 = h4 * (d_12_0 * t18 + s_13_0 * t20 - (d_13_0 * t16 + s_12_0 * t22)) - h7 * t24;
+        const double t28 = h4 * (d_12_0 * t19 + s_13_1 * t20 - (d_13_0 * t17 + s_12_1 * t22)) - h8 * t24;
+        const double t29 = s_12_0 * t16;
+        const double t30 = s_12_1 * t17;
+        const double t31 = d_12_0 * t20;
+        const double t32 = d_12_1 * t21;
+        const double t33 = h9 * (0.5 * (t29 + t29 + (t30 + t30))) - h10 * (0.5 * (t31 + t31 + (t32 + t32)));
+        const double t34 = s_13_0 * t18;
+        const double t35 = s_13_1 * t19;
+        const double t36 = d_13_0 * t22;
+        const double t37 = d_13_1 * t23;
+        const double t38 = h11 * (0.5 * (t34 + t34 + (t35 + t35))) - h12 * (0.5 * (t36 + t36 + (t37 + t37)));
+        const double t39 = h13 * (t18 - t16);
+        const double t40 = h14 * (t19 - t17);
+        const double t41 = h15 * (t22 - t20);
+        const double t42 = h16 * (t23 - t21);
+        const double t43 = h17 * (0.5 * (t39 + t39 + (t40 + t40))) - h18 * (0.5 * (t41 + t41 + (t42 + t42)));
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t10;
-        points[3].t[k] = t11;
-        points[4].t[k] = t12;
-        points[5].t[k] = t13;
-        ends[0].t[k] = t2;
-        ends[1].t[k] = t3;
-        ends[2].t[k] = t5;
-        ends[3].t[k] = t6;
-        ends[4].t[k] = t8;
-        ends[5].t[k] = t9;
-        linear[0].t[k] = t19;
-        linear[1].t[k] = t20;
-        linear[2].t[k] = t21;
-        linear[3].t[k] = t22;
-        linear[4].t[k] = -(u_x_0 * t2 + e_1_0 * t19 + (u_y_0 * t3 + e_1_1 * t21));
-        linear[5].t[k] = -(u_x_1 * t2 + e_1_0 * t20 + (u_y_1 * t3 + e_1_1 * t22));
+        points[2].t[k] = t16;
+        points[3].t[k] = t17;
+        points[4].t[k] = t18;
+        points[5].t[k] = t19;
+        ends[0].t[k] = t8;
+        ends[1].t[k] = t9;
+        ends[2].t[k] = t11;
+        ends[3].t[k] = t12;
+        ends[4].t[k] = t14;
+        ends[5].t[k] = t15;
+        linear[0].t[k] = t25;
+        linear[1].t[k] = t26;
+        linear[2].t[k] = t27;
+        linear[3].t[k] = t28;
+        linear[4].t[k] = -(u_x_0 * t8 + e_1_0 * t25 + (u_y_0 * t9 + e_1_1 * t27));
+        linear[5].t[k] = -(u_x_1 * t8 + e_1_0 * t26 + (u_y_1 * t9 + e_1_1 * t28));
+        mismatch[0].t[k] = t33;
+        mismatch[1].t[k] = t38;
+        mismatch[2].t[k] = t43;
     }
 }
 

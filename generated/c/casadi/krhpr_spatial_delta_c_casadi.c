@@ -235,6 +235,16 @@ static const casadi_int P82[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P83[3] = {9, 9, 1};
 static const casadi_int P84[3] = {9, 1, 1};
 static const casadi_int P85[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[3] = {3, 9, 1};
+static const casadi_int P87[3] = {3, 2, 1};
+static const casadi_int P88[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P89[4] = {9, 1, 0, 0};
+static const casadi_int P90[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P91[3] = {1, 2, 1};
+static const casadi_int P92[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P93[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+    2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
+static const casadi_int P94[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1246,6 +1256,29 @@ static int value_forward_encoders_2(const double *x, double *y)
     return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
 }
 
+static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 9;
+    const krhpr_dual *const tolerance = given + 11;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const raw = found + 12;
+    krhpr_dual *const mismatch = found + 21;
+    krhpr_dual slide[6];
+    krhpr_dual flatness[1];
+    krhpr_dual points[6];
+    krhpr_dual axes[9];
+    krhpr_dual ends[4];
+    krhpr_dual linear[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_two_encoders_tangent(
+        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch);
+    krhpr_platform_spatial_c_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+}
+
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_measured", 2, 1, 1, NULL, P22, P23},
@@ -1257,16 +1290,47 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_raw", 3, 3, 1, NULL, P0, P1},
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
+static const casadi_int *const structure_forward_encoders_2[] = {
+    P86, P87, P5, P83, P88, P89, P83, P88, P89, P90, P91, P3
+};
+static const char *const names_forward_encoders_2[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
+};
 static const krhpr_casadi_function function_forward_encoders_2 = {
-    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, tangent_forward_encoders_2, structure_forward_encoders_2, names_forward_encoders_2
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_2), function_forward_encoders_2)
 
 /* -- forward_encoders_3 -- */
 
 static int value_forward_encoders_3(const double *x, double *y)
 {
     return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 9;
+    const krhpr_dual *const tolerance = given + 12;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const raw = found + 12;
+    krhpr_dual *const mismatch = found + 21;
+    krhpr_dual slide[6];
+    krhpr_dual flatness[1];
+    krhpr_dual points[6];
+    krhpr_dual axes[9];
+    krhpr_dual ends[6];
+    krhpr_dual linear[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_three_encoders_tangent(
+        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch);
+    krhpr_platform_spatial_c_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {
@@ -1278,9 +1342,17 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_raw", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_mismatch", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_encoders_3[] = {
+    P86, P0, P5, P83, P92, P89, P83, P92, P89, P93, P94, P5
+};
+static const char *const names_forward_encoders_3[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
 };
 static const krhpr_casadi_function function_forward_encoders_3 = {
-    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, tangent_forward_encoders_3, structure_forward_encoders_3, names_forward_encoders_3
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_3), function_forward_encoders_3)

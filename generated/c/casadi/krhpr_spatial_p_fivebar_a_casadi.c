@@ -250,6 +250,14 @@ static const casadi_int P96[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 
 static const casadi_int P97[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
 static const casadi_int P98[3] = {2, 9, 1};
 static const casadi_int P99[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P100[3] = {3, 9, 1};
+static const casadi_int P101[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P102[4] = {9, 1, 0, 0};
+static const casadi_int P103[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[3] = {1, 2, 1};
+static const casadi_int P105[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+    2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
+static const casadi_int P106[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1230,6 +1238,34 @@ static int value_forward_encoders_2(const double *x, double *y)
     return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
 }
 
+static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 9;
+    const krhpr_dual *const tolerance = given + 11;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const raw = found + 12;
+    krhpr_dual *const mismatch = found + 21;
+    krhpr_dual turns[4];
+    krhpr_dual anchor[6];
+    krhpr_dual length[3];
+    krhpr_dual arm[6];
+    krhpr_dual flatness[1];
+    krhpr_dual points[6];
+    krhpr_dual axes[9];
+    krhpr_dual ends[4];
+    krhpr_dual linear[6];
+    krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+    }
+    krhpr_platform_spatial_a_two_encoders_tangent(
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch);
+    krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+}
+
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_measured", 2, 1, 1, NULL, P20, P21},
@@ -1241,16 +1277,52 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_raw", 3, 3, 1, NULL, P0, P1},
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
+static const casadi_int *const structure_forward_encoders_2[] = {
+    P100, P16, P5, P71, P101, P102, P71, P101, P102, P103, P104, P3
+};
+static const char *const names_forward_encoders_2[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
+};
 static const krhpr_casadi_function function_forward_encoders_2 = {
-    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, tangent_forward_encoders_2, structure_forward_encoders_2, names_forward_encoders_2
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_2), function_forward_encoders_2)
 
 /* -- forward_encoders_3 -- */
 
 static int value_forward_encoders_3(const double *x, double *y)
 {
     return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 9;
+    const krhpr_dual *const tolerance = given + 12;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const raw = found + 12;
+    krhpr_dual *const mismatch = found + 21;
+    krhpr_dual turns[6];
+    krhpr_dual anchor[6];
+    krhpr_dual length[3];
+    krhpr_dual arm[6];
+    krhpr_dual flatness[1];
+    krhpr_dual points[6];
+    krhpr_dual axes[9];
+    krhpr_dual ends[6];
+    krhpr_dual linear[6];
+    krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+    }
+    krhpr_platform_spatial_a_three_encoders_tangent(
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch);
+    krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {
@@ -1262,9 +1334,17 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_raw", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_mismatch", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_encoders_3[] = {
+    P100, P0, P5, P71, P79, P102, P71, P79, P102, P105, P106, P5
+};
+static const char *const names_forward_encoders_3[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
 };
 static const krhpr_casadi_function function_forward_encoders_3 = {
-    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, tangent_forward_encoders_3, structure_forward_encoders_3, names_forward_encoders_3
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_3), function_forward_encoders_3)

@@ -253,6 +253,14 @@ static const casadi_int P102[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P103[3] = {3, 9, 1};
 static const casadi_int P104[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
 static const casadi_int P105[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P106[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P107[4] = {9, 1, 0, 0};
+static const casadi_int P108[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P109[3] = {1, 2, 1};
+static const casadi_int P110[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P111[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+    2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
+static const casadi_int P112[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1327,6 +1335,31 @@ static int value_forward_encoders_2(const double *x, double *y)
     return plain_forward_encoders_2(&geometry, x, x + 9, x[11], y, y + 3, y + 12, y + 21);
 }
 
+static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 9;
+    const krhpr_dual *const tolerance = given + 11;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const raw = found + 12;
+    krhpr_dual *const mismatch = found + 21;
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual flatness[1];
+    krhpr_dual points[6];
+    krhpr_dual axes[9];
+    krhpr_dual ends[4];
+    krhpr_dual linear[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_spatial_b_two_encoders_tangent(
+        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, linear, mismatch);
+    krhpr_platform_spatial_b_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+}
+
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
     {"out_measured", 2, 1, 1, NULL, P20, P21},
@@ -1338,16 +1371,49 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_raw", 3, 3, 1, NULL, P0, P1},
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
+static const casadi_int *const structure_forward_encoders_2[] = {
+    P103, P16, P5, P100, P106, P107, P100, P106, P107, P108, P109, P3
+};
+static const char *const names_forward_encoders_2[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
+};
 static const krhpr_casadi_function function_forward_encoders_2 = {
-    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, NULL, NULL, NULL
+    3, in_forward_encoders_2, 4, out_forward_encoders_2, value_forward_encoders_2, tangent_forward_encoders_2, structure_forward_encoders_2, names_forward_encoders_2
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_2), function_forward_encoders_2)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_2), function_forward_encoders_2)
 
 /* -- forward_encoders_3 -- */
 
 static int value_forward_encoders_3(const double *x, double *y)
 {
     return plain_forward_encoders_3(&geometry, x, x + 9, x[12], y, y + 3, y + 12, y + 21);
+}
+
+static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const s = given;
+    const krhpr_dual *const measured = given + 9;
+    const krhpr_dual *const tolerance = given + 12;
+    krhpr_dual *const p = found;
+    krhpr_dual *const Q = found + 3;
+    krhpr_dual *const raw = found + 12;
+    krhpr_dual *const mismatch = found + 21;
+    krhpr_dual slide[6];
+    krhpr_dual distance[3];
+    krhpr_dual start[3];
+    krhpr_dual flatness[1];
+    krhpr_dual points[6];
+    krhpr_dual axes[9];
+    krhpr_dual ends[6];
+    krhpr_dual linear[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+    }
+    krhpr_platform_spatial_b_three_encoders_tangent(
+        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, linear, mismatch);
+    krhpr_platform_spatial_b_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {
@@ -1359,9 +1425,17 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_raw", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 1, 1, 1, NULL, P2, P3},
+    {"out_mismatch", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_encoders_3[] = {
+    P103, P0, P5, P100, P110, P107, P100, P110, P107, P111, P112, P5
+};
+static const char *const names_forward_encoders_3[] = {
+    "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
+    "jac_raw_measured", "jac_raw_tolerance", "jac_mismatch_s", "jac_mismatch_measured", "jac_mismatch_tolerance"
 };
 static const krhpr_casadi_function function_forward_encoders_3 = {
-    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, NULL, NULL, NULL
+    3, in_forward_encoders_3, 4, out_forward_encoders_3, value_forward_encoders_3, tangent_forward_encoders_3, structure_forward_encoders_3, names_forward_encoders_3
 };
 KRHPR_CASADI_FUNCTION(NAME(forward_encoders_3), function_forward_encoders_3)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_encoders_3), function_forward_encoders_3)

@@ -190,7 +190,17 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
     outside = _read_outside_the_loop(robot, function)
     plan = _Plan(robot, function, known, outside)
     diagonal = [port for port in function.outputs if port.layout is Layout.DIAGONAL]
-    made = {variable.name: variable for variable in known.values() if variable.kind == "local"}
+    of_roots = {  # they have variables of their own
+        call.variable_out(port.name)
+        for call in function.calls
+        if call.each is not None
+        for port in robot.parts[call.part].kernel(call.kernel).outputs
+    }
+    made = {
+        variable.name: variable
+        for variable in known.values()
+        if variable.kind == "local" and variable.name not in of_roots
+    }
     leg_guards = [guard for guard in function.guards if known[guard.variable].per_leg]
     return FunctionView(
         name=function.name,

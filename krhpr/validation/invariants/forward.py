@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from krhpr.codegen.composition import Status
 from krhpr.derivations.platforms.forward_revolute import MISS_TOLERANCE
 from krhpr.validation.conditioning import SURE, condition
 from krhpr.validation.differences import arc, call
@@ -14,7 +15,7 @@ from krhpr.validation.invariants.batch import runner
 from krhpr.validation.invariants.position import every_assembly
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch
+from krhpr.validation.sampling import Batch, closure_error
 from krhpr.validation.scale import relative
 
 PROMISED = sqrt(MISS_TOLERANCE)
@@ -59,17 +60,37 @@ def assembly_modes(one: Numeric, batch: Batch, found: Measured) -> None:
     found.worse(odd.astype(float), "an odd number of solutions")
 
 
+def assembly_modes_of_the_leg(one: Numeric, batch: Batch, found: Measured) -> None:
+    """Each end point closes its leg; the nearest is that of the pose."""
+    s = call(one, batch, "subleg_forward_all")["s"]
+    theta = batch.values["theta"]
+    growth = condition(one.subject.code.function("subleg_forward_all"), batch, found.check.seed)
+    known = np.isfinite(growth)
+    size = np.abs(batch.values["s"]).max() ** 2
+    for mode in range(s.shape[2]):
+        error = closure_error(one.subject, s[:, :, mode], theta, batch.geometry) / size
+        there = np.isfinite(s[:, :, mode]).all(axis=-1)
+        allowed = np.minimum(growth, PROMISED / found.check.tolerance)[:, None]
+        found.worse((error / allowed)[there], f"closure of mode {mode + 1}")
+    gap = np.abs(s - batch.values["s"][:, :, None]).max(axis=-1)
+    nearest = np.min(np.nan_to_num(gap, nan=np.inf), axis=-1) / np.sqrt(size)
+    found.worse((nearest / growth[:, None])[known], "the end point is missing")
+    found.worse(float(known.mean() < SURE), "too many configurations without a condition")
+
+
 def forward_after_inverse(one: Numeric, batch: Batch, found: Measured) -> None:
     """Each leg in the assembly mode that leads to its end point."""
     whole = _known_branch(one, batch)
     result = call(one, whole, "forward")
-    found.worse((result["count"] < 1).astype(float), "count")
+    told = result["status"] != Status.AMBIGUOUS  # no theorem covers unequal sizes
+    found.worse(float(told.mean() < SURE), "too many poses that cannot be told from others")
+    found.worse((result["count"] < 1)[told].astype(float), "count")
     if "box" in {port.name for port in one.subject.code.function("forward").inputs}:
         low, high = np.moveaxis(batch.values["box"], -1, 0)
         outside = (result["redundant"] < low) | (result["redundant"] > high)
-        found.worse(outside.astype(float), "a redundant angle is outside the box")
+        found.worse(outside[told].astype(float), "a redundant angle is outside the box")
     growth = condition(one.subject.code.function("forward"), whole, found.check.seed)
-    found.worse(_distance(batch, result) / growth, "pose")
+    found.worse((_distance(batch, result) / growth)[told], "pose")
 
 
 def passive_of_actuated(one: Numeric, batch: Batch, found: Measured) -> None:
@@ -79,7 +100,7 @@ def passive_of_actuated(one: Numeric, batch: Batch, found: Measured) -> None:
     growth = condition(one.subject.code.function("passive_joints_of_theta"), whole, found.check.seed)
     for port in one.subject.code.function("passive_joints").outputs:
         error = relative(port, result[port.name], wanted[port.name]).reshape(len(batch), -1)
-        found.worse(error / growth[:, None], port.name)
+        found.worse((error / growth[:, None])[result["status"] != Status.AMBIGUOUS], port.name)
 
 
 def _known_branch(one: Numeric, batch: Batch) -> Batch:
@@ -116,6 +137,7 @@ def _distance(batch: Batch, result: dict[str, Floats]) -> Floats:
 
 
 RUNNERS: dict[str, Runner] = {
+    "assembly modes of the sub-leg": runner(assembly_modes_of_the_leg),
     "assembly modes": runner(assembly_modes),
     "pose after inverse": runner(forward_after_inverse),
     "passive joints of the actuated ones": runner(passive_of_actuated),

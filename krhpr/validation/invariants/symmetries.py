@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import permutations, product
+from itertools import combinations, permutations, product
 from typing import Any
 
 import numpy as np
@@ -172,6 +172,9 @@ def _exchanged(port: Port, value: Floats, order: tuple[int, ...], parity: float)
         return value * parity
     if port.name in ("redundant", "measured") and port.layout is Layout.SHARED:
         return value[..., list(order)]
+    if port.name == "mismatch":
+        pairs = list(combinations(range(LEGS), 2))
+        return value[..., [pairs.index((min(order[i], order[j]), max(order[i], order[j]))) for i, j in pairs]]
     if port.layout is Layout.SHARED:
         return value
     axis = value.ndim - len(port.full_shape)

@@ -122,6 +122,14 @@ INVARIANTS = (
         ("singularity",),
     ),
     Rule(
+        "assembly modes of the sub-leg",
+        "subleg_forward_all",
+        ROUND_TRIP,
+        BATCH,
+        "Each end point closes its leg with the joints given, and one is that of the pose.",
+        ("end_points",),
+    ),
+    Rule(
         "assembly modes",
         "forward_all",
         ROUND_TRIP,
