@@ -152,7 +152,7 @@ def test_the_casadi_functions_compute_it(gathered: Gathered) -> None:
         call = made() if gathered.baked else made(gathered.casadi.DEFAULT_GEOMETRY)
         results: dict[str, list[Any]] = {port.name: [] for port in function.outputs}
         for index in range(SAMPLES):
-            given = [_two(batch.values[port.name][index]) for port in function.inputs]
+            given = [_two(batch.argument(port)[index]) for port in function.inputs]
             found = dict(zip(call.name_out(), call.call(given), strict=True))
             for port in function.outputs:
                 whole = port.name in found
@@ -185,7 +185,7 @@ def test_the_compiled_c_computes_it(gathered: Gathered) -> None:
         for index in range(SAMPLES):
             arguments: list[Any] = list(first)
             for port in function.inputs:
-                value = np.array(batch.values[port.name][index], dtype=float, order="C")
+                value = np.array(batch.argument(port)[index], dtype=float, order="C")
                 scalar = not port.full_shape
                 arguments.append(ctypes.c_double(value.item()) if scalar else value.ctypes.data_as(pointer))
             outs = [np.full(port.full_size, np.nan) for port in function.outputs]
