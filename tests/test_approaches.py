@@ -379,3 +379,26 @@ def test_axes_that_meet_leave_assembly_modes_in_doubt(backend: str) -> None:
     found, status = robot.subleg_forward_all(theta, status=True)
     assert status in (0, krhpr.Status.UNREACHABLE_LEG_1) and (found.doubtful == 1).all()
     assert np.allclose(robot.subleg_forward(theta, near=s + 1e-3), s, rtol=0, atol=1e-9)
+
+
+# -- the thesis' nine unknowns ------------------------------------------------------------------------------
+
+
+def test_the_nine_equations_of_the_thesis(backend: str) -> None:
+    """(3.7) to (3.9), written apart from the derivation, converge to the same pose, from as near."""
+    from benchmarks.forward import nine_step, planar_step
+    from benchmarks.samples import NumpyOps
+
+    robot = krhpr.load("spatial_rrr_a", backend=backend)
+    p, Q, redundant = random_poses(robot, 300, seed=13)
+    redundant = np.clip(redundant, np.radians(50), np.radians(130))
+    s = robot.end_points(p, Q, redundant)
+    rng = np.random.default_rng(14)
+    p_near, Q_near = p + 1e-3 * rng.normal(size=p.shape), turned(robot, Q, 0.01 * rng.normal(size=(300, 3)))
+    found = robot.forward_newton(s, p_near, Q_near)
+    for step in (nine_step, planar_step):
+        at = [list(x.reshape(300, -1).T) for x in (s, p_near, Q_near)]
+        for _ in range(8):
+            at[1:] = [list(x) for x in step(NumpyOps, *at)]
+        assert np.abs(np.stack(at[1], axis=-1) - found.p).max() < 1e-12
+        assert np.abs(np.stack(at[2], axis=-1).reshape(300, 3, 3) - found.Q).max() < 1e-12
