@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import prod, radians
 from typing import Any
 
@@ -118,12 +118,26 @@ def draw_geometry(
 
 
 def draw(subject: Subject, seed: int, count: int, *, spread: float = 0.05) -> Batch:
-    """So many configurations of one geometry near the default sizes."""
+    """So many configurations of one geometry near the default sizes.
+
+    One of POOL batches, which checks share: to draw them takes longer than most checks do.
+    """
+    return _drawn(subject, seed % POOL, count, spread)
+
+
+POOL = 48
+"""Batches of one robot and one size."""
+
+
+@lru_cache(maxsize=3 * POOL)
+def _drawn(subject: Subject, seed: int, count: int, spread: float) -> Batch:
     rng = np.random.default_rng(seed)
     for _ in range(20):
         geometry = draw_geometry(subject, rng, spread)
         found = _draw(subject, rng, count, geometry)
         if found is not None:
+            for values in found.values():
+                values.flags.writeable = False
             return Batch(subject, geometry, found)
     raise RuntimeError(
         f"{subject.identifier}: no geometry near the default sizes has {count} configurations that are "
