@@ -42,6 +42,9 @@ MISMATCHES = Port(
     Frame.NONE,
     "by how much the third link is longer or shorter than it is, for each solution",
 )
+SPREAD = Port(
+    "spread", (1,), Unit.NONE, Frame.NONE, "squared: zero where encoders leave the orientation open"
+)
 AGREEMENT = Port("agreement", (1,), Unit.METRE, Frame.NONE, "not negative within the tolerance")
 REAL = Port("radicand", (1,), Unit.NONE, Frame.NONE, "not negative where the second link reaches")
 WEIGHTS = Port(
@@ -183,10 +186,13 @@ def _several(plate: Platform, count: int) -> Kernel:
     r = plane.points[1:]
     if count == 2:
         square = k.let("d_12_2", dot(d[0], d[0]))
+        sizes = sum(dot(end, end) for end in hold.ends)
+        k.add_output(SPREAD, [square / sizes])
         cosine, sine = k.let("cos", dot(d[0], r[0]) / square), k.let("sin", cross2(d[0], r[0]) / square)
         U = sp.Matrix([[cosine, -sine], [sine, cosine]])
     else:
         area = k.let("area", cross2(d[0], d[1]))
+        k.add_output(SPREAD, [area**2 / (dot(d[0], d[0]) * dot(d[1], d[1]))])
         x = (r[0] * d[1][1] - r[1] * d[0][1]) / area
         y = (r[1] * d[0][0] - r[0] * d[1][0]) / area
         U = sp.Matrix.hstack(k.let("u_x", x), k.let("u_y", y))
@@ -196,9 +202,9 @@ def _several(plate: Platform, count: int) -> Kernel:
         pairs += [(d[1], r[1]), (d[1] - d[0], r[1] - r[0])]
     gaps = []
     for i, (a, b) in enumerate(pairs):
-        # squares by themselves, or a root of one that has one term would be an absolute value
-        squares = k.let(f"r_2_{i}", dot(b, b)), k.let(f"d_2_{i}", dot(a, a))
-        gaps.append(k.let(f"gap_{i}", sp.sqrt(squares[0]) - sp.sqrt(squares[1])))
+        # in space S_2 is on the x axis: the root of its square would be an absolute value
+        far = b[0] if b[1] == 0 else sp.sqrt(k.let(f"r_2_{i}", dot(b, b)))
+        gaps.append(k.let(f"gap_{i}", far - sp.sqrt(k.let(f"d_2_{i}", dot(a, a)))))
     k.add_output(mismatch_port(count), gaps)
     k.add_output(AGREEMENT, [tolerance - _largest(k, gaps)])
     return k.kernel()

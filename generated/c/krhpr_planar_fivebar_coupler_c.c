@@ -1351,6 +1351,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_2(
     double slide[6];
     double points[6];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1367,10 +1368,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_2(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
-        s, measured, slide, tolerance, points, ends, linear, mismatch, agreement);
+        s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
     krhpr_platform_planar_c_encoder_pose(s, linear, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1411,6 +1415,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_3(
     double slide[6];
     double points[6];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1427,10 +1432,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_3(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
-        s, measured, slide, tolerance, points, ends, linear, mismatch, agreement);
+        s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
     krhpr_platform_planar_c_encoder_pose(s, linear, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1471,6 +1479,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3(
     double slide[6];
     double points[6];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1489,7 +1498,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3(
         krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
-        s, measured, slide, tolerance, points, ends, linear, mismatch, agreement);
+        s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1508,6 +1517,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3(
     krhpr_platform_planar_c_encoder_pose(s, state, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }

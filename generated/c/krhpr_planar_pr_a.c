@@ -1425,6 +1425,7 @@ KRHPR_API int krhpr_planar_pr_a_forward_encoders_2(
     double arm[6];
     double points[6];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1448,10 +1449,13 @@ KRHPR_API int krhpr_planar_pr_a_forward_encoders_2(
         krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
     krhpr_platform_planar_a_encoder_pose(s, linear, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1494,6 +1498,7 @@ KRHPR_API int krhpr_planar_pr_a_forward_encoders_3(
     double arm[6];
     double points[6];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1517,10 +1522,13 @@ KRHPR_API int krhpr_planar_pr_a_forward_encoders_3(
         krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
     krhpr_platform_planar_a_encoder_pose(s, linear, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1563,6 +1571,7 @@ KRHPR_API int krhpr_planar_pr_a_forward_gauss_newton_2(
     double arm[6];
     double points[6];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1588,7 +1597,7 @@ KRHPR_API int krhpr_planar_pr_a_forward_gauss_newton_2(
         krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1608,6 +1617,9 @@ KRHPR_API int krhpr_planar_pr_a_forward_gauss_newton_2(
     krhpr_platform_planar_a_encoder_pose(s, state, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1653,6 +1665,7 @@ KRHPR_API int krhpr_planar_pr_a_forward_gauss_newton_3(
     double arm[6];
     double points[6];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1678,7 +1691,7 @@ KRHPR_API int krhpr_planar_pr_a_forward_gauss_newton_3(
         krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1697,6 +1710,9 @@ KRHPR_API int krhpr_planar_pr_a_forward_gauss_newton_3(
     krhpr_platform_planar_a_encoder_pose(s, state, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }

@@ -1139,6 +1139,7 @@ KRHPR_API int krhpr_planar_pr_b_forward_encoders_2(
     double start[3];
     double points[6];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1155,10 +1156,13 @@ KRHPR_API int krhpr_planar_pr_b_forward_encoders_2(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
-        s, measured, slide, distance, start, tolerance, points, ends, linear, mismatch, agreement);
+        s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
     krhpr_platform_planar_b_encoder_pose(s, linear, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1200,6 +1204,7 @@ KRHPR_API int krhpr_planar_pr_b_forward_encoders_3(
     double start[3];
     double points[6];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1216,10 +1221,13 @@ KRHPR_API int krhpr_planar_pr_b_forward_encoders_3(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
-        s, measured, slide, distance, start, tolerance, points, ends, linear, mismatch, agreement);
+        s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
     krhpr_platform_planar_b_encoder_pose(s, linear, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }
@@ -1261,6 +1269,7 @@ KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_3(
     double start[3];
     double points[6];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1279,7 +1288,7 @@ KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_3(
         krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
-        s, measured, slide, distance, start, tolerance, points, ends, linear, mismatch, agreement);
+        s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1298,6 +1307,9 @@ KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_3(
     krhpr_platform_planar_b_encoder_pose(s, state, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
     }

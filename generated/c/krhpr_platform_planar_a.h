@@ -900,11 +900,12 @@ static inline void krhpr_platform_planar_a_one_encoder(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
+ * (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select) */
 static inline void krhpr_platform_planar_a_two_encoders(
     const double s[6], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
-    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT agreement)
 {
     (void)(length);
     const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
@@ -933,6 +934,7 @@ static inline void krhpr_platform_planar_a_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
+    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -944,11 +946,12 @@ static inline void krhpr_platform_planar_a_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (41 add, 42 multiply, 1 divide, 6 square root, 5 select) */
+ * 3.2.5, (3.30).  (41 add, 44 multiply, 2 divide, 6 square root, 5 select) */
 static inline void krhpr_platform_planar_a_three_encoders(
     const double s[6], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
-    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT agreement)
 {
     (void)(length);
     const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
@@ -966,16 +969,16 @@ static inline void krhpr_platform_planar_a_three_encoders(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t1 = 1.0 / area;
     const double u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t1;
     const double u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
     const double u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
     const double u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
     const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
     const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
     const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t2 = s_13_0 - s_12_0;
     const double t3 = s_13_1 - s_12_1;
@@ -996,6 +999,7 @@ static inline void krhpr_platform_planar_a_three_encoders(
     ends[3] = e_2_1;
     ends[4] = e_3_0;
     ends[5] = e_3_1;
+    spread[0] = area * area / (d_2_0 * d_2_1);
     linear[0] = u_x_0;
     linear[1] = u_x_1;
     linear[2] = u_y_0;

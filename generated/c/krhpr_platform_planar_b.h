@@ -425,11 +425,12 @@ static inline void krhpr_platform_planar_b_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (20 add, 22 multiply, 1 divide, 2 square root, 1 select) */
+ * (3.24).  (23 add, 26 multiply, 2 divide, 2 square root, 1 select) */
 static inline void krhpr_platform_planar_b_two_encoders(
     const double s[6], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
-    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT agreement)
 {
     const double t1 = measured[0] + start[0];
     const double e_1_0 = slide[0] * t1 - slide[1] * distance[0]; /* S_i in the platform frame */
@@ -459,6 +460,7 @@ static inline void krhpr_platform_planar_b_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
+    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -470,11 +472,12 @@ static inline void krhpr_platform_planar_b_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (38 add, 42 multiply, 1 divide, 6 square root, 5 select) */
+ * 3.2.5, (3.30).  (38 add, 44 multiply, 2 divide, 6 square root, 5 select) */
 static inline void krhpr_platform_planar_b_three_encoders(
     const double s[6], const double measured[3], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
-    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
+    double *KRHPR_RESTRICT agreement)
 {
     const double t1 = measured[0] + start[0];
     const double e_1_0 = slide[0] * t1 - slide[1] * distance[0]; /* S_i in the platform frame */
@@ -494,16 +497,16 @@ static inline void krhpr_platform_planar_b_three_encoders(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t4 = 1.0 / area;
     const double u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t4;
     const double u_x_1 = t4 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
     const double u_y_0 = t4 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
     const double u_y_1 = t4 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
     const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
     const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
     const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t5 = s_13_0 - s_12_0;
     const double t6 = s_13_1 - s_12_1;
@@ -524,6 +527,7 @@ static inline void krhpr_platform_planar_b_three_encoders(
     ends[3] = e_2_1;
     ends[4] = e_3_0;
     ends[5] = e_3_1;
+    spread[0] = area * area / (d_2_0 * d_2_1);
     linear[0] = u_x_0;
     linear[1] = u_x_1;
     linear[2] = u_y_0;

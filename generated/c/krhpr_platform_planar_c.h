@@ -388,11 +388,11 @@ static inline void krhpr_platform_planar_c_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (14 add, 18 multiply, 1 divide, 2 square root, 1 select) */
+ * (3.24).  (17 add, 22 multiply, 2 divide, 2 square root, 1 select) */
 static inline void krhpr_platform_planar_c_two_encoders(
     const double s[6], const double measured[2], const double slide[6], double tolerance,
-    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     const double e_1_0 = measured[0] * slide[0]; /* S_i in the platform frame */
     const double e_1_1 = measured[0] * slide[1];
@@ -420,6 +420,7 @@ static inline void krhpr_platform_planar_c_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
+    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -431,11 +432,11 @@ static inline void krhpr_platform_planar_c_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (29 add, 36 multiply, 1 divide, 6 square root, 5 select) */
+ * 3.2.5, (3.30).  (29 add, 38 multiply, 2 divide, 6 square root, 5 select) */
 static inline void krhpr_platform_planar_c_three_encoders(
     const double s[6], const double measured[3], const double slide[6], double tolerance,
-    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     const double e_1_0 = measured[0] * slide[0]; /* S_i in the platform frame */
     const double e_1_1 = measured[0] * slide[1];
@@ -452,16 +453,16 @@ static inline void krhpr_platform_planar_c_three_encoders(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t1 = 1.0 / area;
     const double u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t1;
     const double u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1);
     const double u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0);
     const double u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0);
     const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
     const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
     const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t2 = s_13_0 - s_12_0;
     const double t3 = s_13_1 - s_12_1;
@@ -482,6 +483,7 @@ static inline void krhpr_platform_planar_c_three_encoders(
     ends[3] = e_2_1;
     ends[4] = e_3_0;
     ends[5] = e_3_1;
+    spread[0] = area * area / (d_2_0 * d_2_1);
     linear[0] = u_x_0;
     linear[1] = u_x_1;
     linear[2] = u_y_0;

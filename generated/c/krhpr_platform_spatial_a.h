@@ -1176,12 +1176,12 @@ static inline void krhpr_platform_spatial_a_one_encoder(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (45 add, 64 multiply, 4 divide, 4 square root, 1 select) */
+ * (3.24).  (48 add, 67 multiply, 5 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_a_two_encoders(
     const double s[9], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
-    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     (void)(length);
     const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
@@ -1224,8 +1224,7 @@ static inline void krhpr_platform_spatial_a_two_encoders(
     const double t3 = 1.0 / d_12_2;
     const double cos = points_10 * d_12_0 * t3;
     const double sin = t3 * (points_10 * (e_1_1 - e_2_1));
-    const double r_2_0 = points_10 * points_10;
-    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
+    const double gap_0 = points_10 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -1246,6 +1245,7 @@ static inline void krhpr_platform_spatial_a_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
+    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -1257,12 +1257,12 @@ static inline void krhpr_platform_spatial_a_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (65 add, 83 multiply, 4 divide, 8 square root, 5 select) */
+ * 3.2.5, (3.30).  (65 add, 84 multiply, 5 divide, 7 square root, 5 select) */
 static inline void krhpr_platform_spatial_a_three_encoders(
     const double s[9], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
-    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     (void)(length);
     const double e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
@@ -1309,17 +1309,16 @@ static inline void krhpr_platform_spatial_a_three_encoders(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t6 = 1.0 / area;
     const double u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6;
     const double u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1));
     const double u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0);
     const double u_y_1 = t6 * (r_3_1 * d_12_0);
-    const double r_2_0 = points_10 * points_10;
-    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
+    const double gap_0 = points_10 - sqrt(d_2_0);
     const double t7 = r_3_1 * r_3_1;
     const double r_2_1 = r_3_0 * r_3_0 + t7;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t8 = r_3_0 - t3 - t4 - t5;
     const double r_2_2 = t7 + t8 * t8;
@@ -1349,6 +1348,7 @@ static inline void krhpr_platform_spatial_a_three_encoders(
     ends[3] = e_2_1;
     ends[4] = e_3_0;
     ends[5] = e_3_1;
+    spread[0] = area * area / (d_2_0 * d_2_1);
     linear[0] = u_x_0;
     linear[1] = u_x_1;
     linear[2] = u_y_0;

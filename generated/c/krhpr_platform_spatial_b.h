@@ -618,12 +618,12 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (43 add, 68 multiply, 4 divide, 4 square root, 1 select) */
+ * (3.24).  (46 add, 71 multiply, 5 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_b_two_encoders(
     const double s[9], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
-    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     const double t1 = measured[0] + start[0];
     const double e_1_0 = slide[1] * distance[0] + slide[0] * t1; /* S_i in the platform frame */
@@ -668,8 +668,7 @@ static inline void krhpr_platform_spatial_b_two_encoders(
     const double t6 = 1.0 / d_12_2;
     const double cos = points_10 * d_12_0 * t6;
     const double sin = t6 * (points_10 * (e_1_1 - e_2_1));
-    const double r_2_0 = points_10 * points_10;
-    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
+    const double gap_0 = points_10 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -690,6 +689,7 @@ static inline void krhpr_platform_spatial_b_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
+    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -701,12 +701,12 @@ static inline void krhpr_platform_spatial_b_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (62 add, 87 multiply, 4 divide, 8 square root, 5 select) */
+ * 3.2.5, (3.30).  (62 add, 88 multiply, 5 divide, 7 square root, 5 select) */
 static inline void krhpr_platform_spatial_b_three_encoders(
     const double s[9], const double measured[3], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
-    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear,
-    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
+    double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     const double t1 = measured[0] + start[0];
     const double e_1_0 = slide[1] * distance[0] + slide[0] * t1; /* S_i in the platform frame */
@@ -756,17 +756,16 @@ static inline void krhpr_platform_spatial_b_three_encoders(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t10 = 1.0 / area;
     const double u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t10;
     const double u_x_1 = t10 * (r_3_1 * (e_1_1 - e_2_1));
     const double u_y_0 = t10 * (r_3_0 * d_12_0 - points_10 * d_13_0);
     const double u_y_1 = t10 * (r_3_1 * d_12_0);
-    const double r_2_0 = points_10 * points_10;
-    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
+    const double gap_0 = points_10 - sqrt(d_2_0);
     const double t11 = r_3_1 * r_3_1;
     const double r_2_1 = r_3_0 * r_3_0 + t11;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t12 = r_3_0 - t7 - t8 - t9;
     const double r_2_2 = t11 + t12 * t12;
@@ -796,6 +795,7 @@ static inline void krhpr_platform_spatial_b_three_encoders(
     ends[3] = e_2_1;
     ends[4] = e_3_0;
     ends[5] = e_3_1;
+    spread[0] = area * area / (d_2_0 * d_2_1);
     linear[0] = u_x_0;
     linear[1] = u_x_1;
     linear[2] = u_y_0;

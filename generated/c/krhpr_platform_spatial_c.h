@@ -584,12 +584,12 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (37 add, 64 multiply, 4 divide, 4 square root, 1 select) */
+ * (3.24).  (40 add, 67 multiply, 5 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_c_two_encoders(
     const double s[9], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
-    double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
-    double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear,
+    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     const double e_1_0 = measured[0] * slide[0]; /* S_i in the platform frame */
     const double e_1_1 = measured[0] * slide[1];
@@ -632,8 +632,7 @@ static inline void krhpr_platform_spatial_c_two_encoders(
     const double t4 = 1.0 / d_12_2;
     const double cos = points_10 * d_12_0 * t4;
     const double sin = t4 * (points_10 * (e_1_1 - e_2_1));
-    const double r_2_0 = points_10 * points_10;
-    const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
+    const double gap_0 = points_10 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
@@ -654,6 +653,7 @@ static inline void krhpr_platform_spatial_c_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
+    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -665,12 +665,12 @@ static inline void krhpr_platform_spatial_c_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (53 add, 81 multiply, 4 divide, 8 square root, 5 select) */
+ * 3.2.5, (3.30).  (53 add, 82 multiply, 5 divide, 7 square root, 5 select) */
 static inline void krhpr_platform_spatial_c_three_encoders(
     const double s[9], const double measured[3], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
-    double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
-    double *KRHPR_RESTRICT agreement)
+    double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear,
+    double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
 {
     const double e_1_0 = measured[0] * slide[0]; /* S_i in the platform frame */
     const double e_1_1 = measured[0] * slide[1];
@@ -717,17 +717,16 @@ static inline void krhpr_platform_spatial_c_three_encoders(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
+    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t7 = 1.0 / area;
     const double u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t7;
     const double u_x_1 = t7 * (r_3_1 * (e_1_1 - e_2_1));
     const double u_y_0 = t7 * (r_3_0 * d_12_0 - points_10 * d_13_0);
     const double u_y_1 = t7 * (r_3_1 * d_12_0);
-    const double r_2_0 = points_10 * points_10;
-    const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double gap_0 = sqrt(r_2_0) - sqrt(d_2_0);
+    const double gap_0 = points_10 - sqrt(d_2_0);
     const double t8 = r_3_1 * r_3_1;
     const double r_2_1 = r_3_0 * r_3_0 + t8;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
     const double t9 = r_3_0 - t4 - t5 - t6;
     const double r_2_2 = t8 + t9 * t9;
@@ -757,6 +756,7 @@ static inline void krhpr_platform_spatial_c_three_encoders(
     ends[3] = e_2_1;
     ends[4] = e_3_0;
     ends[5] = e_3_1;
+    spread[0] = area * area / (d_2_0 * d_2_1);
     linear[0] = u_x_0;
     linear[1] = u_x_1;
     linear[2] = u_y_0;

@@ -1348,6 +1348,7 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_2(
     double points[6];
     double axes[9];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1361,11 +1362,14 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_2(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
-        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, linear, mismatch,
-        agreement);
+        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
+        mismatch, agreement);
     krhpr_platform_spatial_b_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1411,6 +1415,7 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1424,11 +1429,14 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_3(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
-        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, linear, mismatch,
-        agreement);
+        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
+        mismatch, agreement);
     krhpr_platform_spatial_b_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1474,6 +1482,7 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1489,8 +1498,8 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_3(
         krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
-        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, linear, mismatch,
-        agreement);
+        s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
+        mismatch, agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1509,6 +1518,9 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_3(
     krhpr_platform_spatial_b_encoder_pose(s, state, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;

@@ -1703,6 +1703,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_2(
     double points[6];
     double axes[9];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1723,10 +1724,14 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_2(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     krhpr_platform_spatial_a_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1773,6 +1778,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1793,10 +1799,14 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_3(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     krhpr_platform_spatial_a_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1843,6 +1853,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2(
     double points[6];
     double axes[9];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1865,7 +1876,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1885,6 +1897,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_encoder_pose(s, state, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1934,6 +1949,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1956,7 +1972,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1975,6 +1992,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_encoder_pose(s, state, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;

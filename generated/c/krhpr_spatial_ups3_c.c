@@ -1147,6 +1147,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_2(
     double points[6];
     double axes[9];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1160,10 +1161,13 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_2(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
-        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
     krhpr_platform_spatial_c_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1207,6 +1211,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1220,10 +1225,13 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_3(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
-        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
     krhpr_platform_spatial_c_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1267,6 +1275,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1282,7 +1291,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_3(
         krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
-        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1301,6 +1310,9 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_3(
     krhpr_platform_spatial_c_encoder_pose(s, state, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;

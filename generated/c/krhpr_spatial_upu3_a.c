@@ -1473,6 +1473,7 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_2(
     double points[6];
     double axes[9];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1493,10 +1494,14 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_2(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     krhpr_platform_spatial_a_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1543,6 +1548,7 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
@@ -1563,10 +1569,14 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_3(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     krhpr_platform_spatial_a_encoder_pose(s, linear, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1613,6 +1623,7 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_2(
     double points[6];
     double axes[9];
     double ends[4];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1635,7 +1646,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_2(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1655,6 +1667,9 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_encoder_pose(s, state, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
@@ -1704,6 +1719,7 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_3(
     double points[6];
     double axes[9];
     double ends[6];
+    double spread[1];
     double linear[6];
     double agreement[1];
     double state[6];
@@ -1726,7 +1742,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_3(
         krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch, agreement);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
+        agreement);
     double state_at[6];
     double state_on[6];
     change[0] = (double)INFINITY;
@@ -1745,6 +1762,9 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_encoder_pose(s, state, axes, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
         status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;

@@ -676,7 +676,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         slide_i = platform.tie(platform.prepare(fields))
         slide += slide_i
-    _points, _ends, linear, mismatch, _agreement = platform.two_encoders(
+    _points, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
     p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
@@ -705,7 +705,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         slide_i = platform.tie(platform.prepare(fields))
         slide += slide_i
-    _points, _ends, linear, mismatch, _agreement = platform.three_encoders(
+    _points, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
     p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})

@@ -523,7 +523,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (20 add, 22 multiply, 1 divide, 2 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (23 add, 26 multiply, 2 divide, 2 square root, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, _slide_20, _slide_21 = slide
@@ -563,6 +563,9 @@ def two_encoders(
             e_2_0,
             e_2_1,
         ),
+        (  # spread
+            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+        ),
         (  # linear
             cos,
             sin,
@@ -583,7 +586,7 @@ def two_encoders(
 def three_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (38 add, 42 multiply, 1 divide, 6 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (38 add, 44 multiply, 2 divide, 6 square root, 5 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -608,16 +611,16 @@ def three_encoders(
     d_13_0 = e_3_0 - e_1_0
     d_13_1 = e_3_1 - e_1_1
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     t4 = 1 / area
     u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t4
     u_x_1 = t4 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
     u_y_0 = t4 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
     u_y_1 = t4 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
     r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
-    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
     gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_2_0)
     r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1
-    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
     t5 = s_13_0 - s_12_0
     t6 = s_13_1 - s_12_1
@@ -642,6 +645,9 @@ def three_encoders(
             e_2_1,
             e_3_0,
             e_3_1,
+        ),
+        (  # spread
+            area * area / (d_2_0 * d_2_1),
         ),
         (  # linear
             u_x_0,

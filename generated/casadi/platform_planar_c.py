@@ -478,7 +478,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
 
 def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (14 add, 18 multiply, 1 divide, 2 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (17 add, 22 multiply, 2 divide, 2 square root, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, _slide_20, _slide_21 = slide
@@ -514,6 +514,9 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
             e_2_0,
             e_2_1,
         ),
+        (  # spread
+            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+        ),
         (  # linear
             cos,
             sin,
@@ -533,7 +536,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
 
 def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (29 add, 36 multiply, 1 divide, 6 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (29 add, 38 multiply, 2 divide, 6 square root, 5 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -553,16 +556,16 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     d_13_0 = e_3_0 - e_1_0
     d_13_1 = e_3_1 - e_1_1
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     t1 = 1 / area
     u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t1
     u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
     u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
     u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
     r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
-    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
     gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_2_0)
     r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1
-    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
     t2 = s_13_0 - s_12_0
     t3 = s_13_1 - s_12_1
@@ -587,6 +590,9 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
             e_2_1,
             e_3_0,
             e_3_1,
+        ),
+        (  # spread
+            area * area / (d_2_0 * d_2_1),
         ),
         (  # linear
             u_x_0,

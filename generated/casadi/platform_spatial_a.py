@@ -1278,7 +1278,7 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (45 add, 64 multiply, 4 divide, 4 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (48 add, 67 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1324,8 +1324,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     t3 = 1 / d_12_2
     cos = points_10 * d_12_0 * t3
     sin = t3 * (points_10 * (e_1_1 - e_2_1))
-    r_2_0 = points_10 * points_10
-    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_12_2)
+    gap_0 = points_10 - ca.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -1355,6 +1354,9 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             e_2_0,
             e_2_1,
         ),
+        (  # spread
+            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+        ),
         (  # linear
             cos,
             sin,
@@ -1374,7 +1376,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
 
 def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (65 add, 83 multiply, 4 divide, 8 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (65 add, 84 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1424,17 +1426,16 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     d_13_0 = e_3_0 - e_1_0
     d_13_1 = e_3_1 - e_1_1
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     t6 = 1 / area
     u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6
     u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1))
     u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0)
     u_y_1 = t6 * (r_3_1 * d_12_0)
-    r_2_0 = points_10 * points_10
-    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_2_0)
+    gap_0 = points_10 - ca.sqrt(d_2_0)
     t7 = r_3_1 * r_3_1
     r_2_1 = r_3_0 * r_3_0 + t7
-    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
     t8 = r_3_0 - t3 - t4 - t5
     r_2_2 = t7 + t8 * t8
@@ -1472,6 +1473,9 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
             e_2_1,
             e_3_0,
             e_3_1,
+        ),
+        (  # spread
+            area * area / (d_2_0 * d_2_1),
         ),
         (  # linear
             u_x_0,

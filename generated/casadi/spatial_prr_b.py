@@ -674,7 +674,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _flatness, _points, axes, _ends, linear, mismatch, _agreement = platform.two_encoders(
+    _flatness, _points, axes, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
     p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
     return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
@@ -707,7 +707,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         slide += slide_i
         distance += distance_i
         start += start_i
-    _flatness, _points, axes, _ends, linear, mismatch, _agreement = platform.three_encoders(
+    _flatness, _points, axes, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
     p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
     return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})

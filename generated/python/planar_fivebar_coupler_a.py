@@ -1869,7 +1869,7 @@ def forward_encoders_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.two_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1881,6 +1881,7 @@ def forward_encoders_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1918,7 +1919,7 @@ def forward_encoders_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.three_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1930,6 +1931,7 @@ def forward_encoders_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1969,7 +1971,7 @@ def forward_gauss_newton_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        points, ends, linear, mismatch, agreement = platform.two_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -1984,6 +1986,7 @@ def forward_gauss_newton_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),
@@ -2025,7 +2028,7 @@ def forward_gauss_newton_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        points, ends, linear, mismatch, agreement = platform.three_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -2040,6 +2043,7 @@ def forward_gauss_newton_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

@@ -1673,7 +1673,7 @@ def forward_encoders_2(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.two_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1685,6 +1685,7 @@ def forward_encoders_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1720,7 +1721,7 @@ def forward_encoders_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.three_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1732,6 +1733,7 @@ def forward_encoders_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1770,7 +1772,7 @@ def forward_gauss_newton_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        points, ends, linear, mismatch, agreement = platform.three_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -1785,6 +1787,7 @@ def forward_gauss_newton_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

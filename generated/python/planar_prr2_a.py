@@ -1865,7 +1865,7 @@ def forward_encoders_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.two_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1877,6 +1877,7 @@ def forward_encoders_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1914,7 +1915,7 @@ def forward_encoders_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.three_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1926,6 +1927,7 @@ def forward_encoders_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1965,7 +1967,7 @@ def forward_gauss_newton_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        points, ends, linear, mismatch, agreement = platform.two_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -1980,6 +1982,7 @@ def forward_gauss_newton_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),
@@ -2021,7 +2024,7 @@ def forward_gauss_newton_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        points, ends, linear, mismatch, agreement = platform.three_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -2036,6 +2039,7 @@ def forward_gauss_newton_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

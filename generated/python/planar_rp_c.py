@@ -1537,7 +1537,7 @@ def forward_encoders_2(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.two_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
@@ -1548,6 +1548,7 @@ def forward_encoders_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1583,7 +1584,7 @@ def forward_encoders_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.three_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
@@ -1594,6 +1595,7 @@ def forward_encoders_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1632,7 +1634,7 @@ def forward_gauss_newton_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        points, ends, linear, mismatch, agreement = platform.three_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
@@ -1646,6 +1648,7 @@ def forward_gauss_newton_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

@@ -1831,7 +1831,7 @@ def forward_encoders_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.two_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1843,6 +1843,7 @@ def forward_encoders_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1880,7 +1881,7 @@ def forward_encoders_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        _points, _ends, linear, mismatch, agreement = platform.three_encoders(
+        _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
@@ -1892,6 +1893,7 @@ def forward_encoders_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1931,7 +1933,7 @@ def forward_gauss_newton_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        points, ends, linear, mismatch, agreement = platform.two_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -1946,6 +1948,7 @@ def forward_gauss_newton_2(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),
@@ -1987,7 +1990,7 @@ def forward_gauss_newton_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        points, ends, linear, mismatch, agreement = platform.three_encoders(
+        points, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -2002,6 +2005,7 @@ def forward_gauss_newton_3(
                 "mismatch": mismatch,
             },
             (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

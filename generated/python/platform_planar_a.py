@@ -985,7 +985,7 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (22 add, 22 multiply, 1 divide, 2 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, _anchor_20, _anchor_21 = anchor
@@ -1022,6 +1022,9 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             e_2_0,
             e_2_1,
         ),
+        (  # spread
+            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+        ),
         (  # linear
             cos,
             sin,
@@ -1041,7 +1044,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
 
 def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (41 add, 42 multiply, 1 divide, 6 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (41 add, 44 multiply, 2 divide, 6 square root, 5 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1062,16 +1065,16 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     d_13_0 = e_3_0 - e_1_0
     d_13_1 = e_3_1 - e_1_1
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     t1 = 1 / area
     u_x_0 = (s_12_0 * d_13_1 - s_13_0 * d_12_1) * t1
     u_x_1 = t1 * (s_12_1 * d_13_1 - s_13_1 * d_12_1)
     u_y_0 = t1 * (s_13_0 * d_12_0 - s_12_0 * d_13_0)
     u_y_1 = t1 * (s_13_1 * d_12_0 - s_12_1 * d_13_0)
     r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
-    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
     gap_0 = np.sqrt(r_2_0) - np.sqrt(d_2_0)
     r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1
-    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
     t2 = s_13_0 - s_12_0
     t3 = s_13_1 - s_12_1
@@ -1096,6 +1099,9 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
             e_2_1,
             e_3_0,
             e_3_1,
+        ),
+        (  # spread
+            area * area / (d_2_0 * d_2_1),
         ),
         (  # linear
             u_x_0,

@@ -725,7 +725,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (43 add, 68 multiply, 4 divide, 4 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (46 add, 71 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -775,8 +775,7 @@ def two_encoders(
     t6 = 1 / d_12_2
     cos = points_10 * d_12_0 * t6
     sin = t6 * (points_10 * (e_1_1 - e_2_1))
-    r_2_0 = points_10 * points_10
-    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_12_2)
+    gap_0 = points_10 - np.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -806,6 +805,9 @@ def two_encoders(
             e_2_0,
             e_2_1,
         ),
+        (  # spread
+            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+        ),
         (  # linear
             cos,
             sin,
@@ -826,7 +828,7 @@ def two_encoders(
 def three_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (62 add, 87 multiply, 4 divide, 8 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (62 add, 88 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -881,17 +883,16 @@ def three_encoders(
     d_13_0 = e_3_0 - e_1_0
     d_13_1 = e_3_1 - e_1_1
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     t10 = 1 / area
     u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t10
     u_x_1 = t10 * (r_3_1 * (e_1_1 - e_2_1))
     u_y_0 = t10 * (r_3_0 * d_12_0 - points_10 * d_13_0)
     u_y_1 = t10 * (r_3_1 * d_12_0)
-    r_2_0 = points_10 * points_10
-    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_2_0)
+    gap_0 = points_10 - np.sqrt(d_2_0)
     t11 = r_3_1 * r_3_1
     r_2_1 = r_3_0 * r_3_0 + t11
-    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
     t12 = r_3_0 - t7 - t8 - t9
     r_2_2 = t11 + t12 * t12
@@ -929,6 +930,9 @@ def three_encoders(
             e_2_1,
             e_3_0,
             e_3_1,
+        ),
+        (  # spread
+            area * area / (d_2_0 * d_2_1),
         ),
         (  # linear
             u_x_0,

@@ -687,7 +687,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
 
 def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (37 add, 64 multiply, 4 divide, 4 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (40 add, 67 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -733,8 +733,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     t4 = 1 / d_12_2
     cos = points_10 * d_12_0 * t4
     sin = t4 * (points_10 * (e_1_1 - e_2_1))
-    r_2_0 = points_10 * points_10
-    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_12_2)
+    gap_0 = points_10 - np.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -764,6 +763,9 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
             e_2_0,
             e_2_1,
         ),
+        (  # spread
+            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+        ),
         (  # linear
             cos,
             sin,
@@ -783,7 +785,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
 
 def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (53 add, 81 multiply, 4 divide, 8 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (53 add, 82 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -833,17 +835,16 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     d_13_0 = e_3_0 - e_1_0
     d_13_1 = e_3_1 - e_1_1
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
+    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
+    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     t7 = 1 / area
     u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t7
     u_x_1 = t7 * (r_3_1 * (e_1_1 - e_2_1))
     u_y_0 = t7 * (r_3_0 * d_12_0 - points_10 * d_13_0)
     u_y_1 = t7 * (r_3_1 * d_12_0)
-    r_2_0 = points_10 * points_10
-    d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    gap_0 = np.sqrt(r_2_0) - np.sqrt(d_2_0)
+    gap_0 = points_10 - np.sqrt(d_2_0)
     t8 = r_3_1 * r_3_1
     r_2_1 = r_3_0 * r_3_0 + t8
-    d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
     gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
     t9 = r_3_0 - t4 - t5 - t6
     r_2_2 = t8 + t9 * t9
@@ -881,6 +882,9 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
             e_2_1,
             e_3_0,
             e_3_1,
+        ),
+        (  # spread
+            area * area / (d_2_0 * d_2_1),
         ),
         (  # linear
             u_x_0,

@@ -1598,7 +1598,7 @@ def forward_encoders_2(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.two_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
@@ -1610,6 +1610,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1645,7 +1646,7 @@ def forward_encoders_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
@@ -1657,6 +1658,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1695,7 +1697,7 @@ def forward_gauss_newton_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, points, axes, ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, points, axes, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
@@ -1710,6 +1712,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

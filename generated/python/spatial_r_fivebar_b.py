@@ -1729,7 +1729,7 @@ def forward_encoders_2(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.two_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
@@ -1742,6 +1742,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1777,7 +1778,7 @@ def forward_encoders_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
@@ -1790,6 +1791,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1828,7 +1830,7 @@ def forward_gauss_newton_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide, distance, start = platform.tie(g.platform)
-        flatness, points, axes, ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, points, axes, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -1844,6 +1846,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

@@ -1842,7 +1842,7 @@ def forward_encoders_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.two_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
@@ -1855,6 +1855,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1892,7 +1893,7 @@ def forward_encoders_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
@@ -1905,6 +1906,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1944,7 +1946,7 @@ def forward_gauss_newton_2(
         turns = platform.turns_2(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        flatness, points, axes, ends, linear, mismatch, agreement = platform.two_encoders(
+        flatness, points, axes, ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -1960,6 +1962,7 @@ def forward_gauss_newton_2(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),
@@ -2001,7 +2004,7 @@ def forward_gauss_newton_3(
         turns = platform.turns_3(arguments.whole("measured"))
         anchor, length = platform.tie(g.platform)
         arm = platform.arm(g.platform)
-        flatness, points, axes, ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, points, axes, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
         state, change = rt.repeat(
@@ -2017,6 +2020,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

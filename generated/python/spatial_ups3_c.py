@@ -1685,7 +1685,7 @@ def forward_encoders_2(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.two_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
@@ -1697,6 +1697,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1732,7 +1733,7 @@ def forward_encoders_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, _points, axes, _ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
@@ -1744,6 +1745,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1782,7 +1784,7 @@ def forward_gauss_newton_3(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         slide = platform.tie(g.platform)
-        flatness, points, axes, ends, linear, mismatch, agreement = platform.three_encoders(
+        flatness, points, axes, ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
@@ -1797,6 +1799,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

@@ -185,7 +185,10 @@ static void scalar_calls(const struct function *f, const geometry *g, struct buf
         }
         const int status = check(f, g, b, in);
         if (kind == 0) {
-            const int expected = status == KRHPR_OK || strncmp(f->name, "subleg_forward", 14) == 0;
+            /* joints may belong to another assembly mode, and redundant angles to another box */
+            const int choice = strncmp(f->name, "subleg_forward", 14) == 0 || strcmp(f->name, "forward") == 0 ||
+                               strcmp(f->name, "passive_joints_of_theta") == 0;
+            const int expected = status == KRHPR_OK || choice;
             CHECK(expected || in[f->n_in - 1] == NULL, "status %d where it works", status);
         }
     }

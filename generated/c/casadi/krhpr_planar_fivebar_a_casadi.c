@@ -1192,6 +1192,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual arm[6];
     krhpr_dual points[6];
     krhpr_dual ends[4];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
@@ -1199,7 +1200,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
         krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders_tangent(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_a_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 
@@ -1249,6 +1250,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual arm[6];
     krhpr_dual points[6];
     krhpr_dual ends[6];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
@@ -1256,7 +1258,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
         krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders_tangent(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_a_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 

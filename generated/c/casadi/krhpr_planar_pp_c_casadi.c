@@ -1130,12 +1130,13 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual slide[6];
     krhpr_dual points[6];
     krhpr_dual ends[4];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders_tangent(
-        s, measured, slide, tolerance, points, ends, linear, mismatch);
+        s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_c_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 
@@ -1182,12 +1183,13 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual slide[6];
     krhpr_dual points[6];
     krhpr_dual ends[6];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders_tangent(
-        s, measured, slide, tolerance, points, ends, linear, mismatch);
+        s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_c_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 

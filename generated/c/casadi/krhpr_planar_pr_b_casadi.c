@@ -1196,12 +1196,13 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual start[3];
     krhpr_dual points[6];
     krhpr_dual ends[4];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_two_encoders_tangent(
-        s, measured, slide, distance, start, tolerance, points, ends, linear, mismatch);
+        s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_b_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 
@@ -1250,12 +1251,13 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual start[3];
     krhpr_dual points[6];
     krhpr_dual ends[6];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_three_encoders_tangent(
-        s, measured, slide, distance, start, tolerance, points, ends, linear, mismatch);
+        s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_b_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 

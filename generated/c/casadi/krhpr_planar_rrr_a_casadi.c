@@ -1212,6 +1212,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual arm[6];
     krhpr_dual points[6];
     krhpr_dual ends[4];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
@@ -1219,7 +1220,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
         krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders_tangent(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_a_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 
@@ -1269,6 +1270,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual arm[6];
     krhpr_dual points[6];
     krhpr_dual ends[6];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
@@ -1276,7 +1278,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
         krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders_tangent(
-        s, turns, anchor, length, arm, tolerance, points, ends, linear, mismatch);
+        s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
     krhpr_platform_planar_a_encoder_pose_tangent(s, linear, p, phi, raw);
 }
 

@@ -1543,11 +1543,12 @@ static inline void krhpr_platform_planar_a_one_encoder_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (65 add, 68 multiply, 3 divide, 2 square root) */
+ * (3.24).  (76 add, 78 multiply, 5 divide, 2 square root) */
 static inline void krhpr_platform_planar_a_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
+    krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(length);
     (void)(tolerance);
@@ -1562,17 +1563,20 @@ static inline void krhpr_platform_planar_a_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double h2 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
-    const double h1 = 1.0 / d_12_2;
-    const double cos = h2 * h1;
-    const double h3 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
-    const double sin = h1 * h3;
+    const double t1 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double spread_0 = d_12_2 / t1;
+    const double h3 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
+    const double h2 = 1.0 / d_12_2;
+    const double cos = h3 * h2;
+    const double h4 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
+    const double sin = h2 * h4;
     const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double t1 = sqrt(r_2_0);
-    const double t2 = sqrt(d_12_2);
-    const double gap_0 = t1 - t2;
-    const double h4 = 1.0 / t1;
+    const double t2 = sqrt(r_2_0);
+    const double t3 = sqrt(d_12_2);
+    const double gap_0 = t2 - t3;
+    const double h1 = 1.0 / t1;
     const double h5 = 1.0 / t2;
+    const double h6 = 1.0 / t3;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -1583,6 +1587,7 @@ static inline void krhpr_platform_planar_a_two_encoders_tangent(
     ends[1].v = e_1_1;
     ends[2].v = e_2_0;
     ends[3].v = e_2_1;
+    spread[0].v = spread_0;
     linear[0].v = cos;
     linear[1].v = sin;
     linear[2].v = -sin;
@@ -1591,50 +1596,56 @@ static inline void krhpr_platform_planar_a_two_encoders_tangent(
     linear[5].v = -(e_1_1 * cos + e_1_0 * sin);
     mismatch[0].v = gap_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
-        const double t4 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
-        const double t5 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
-        const double t6 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
-        const double t7 = s[2].t[k] - s[0].t[k];
-        const double t8 = s[3].t[k] - s[1].t[k];
-        const double t9 = t5 - t3;
+        const double t4 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
+        const double t5 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
+        const double t6 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
+        const double t7 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
+        const double t8 = s[2].t[k] - s[0].t[k];
+        const double t9 = s[3].t[k] - s[1].t[k];
         const double t10 = t6 - t4;
-        const double t11 = d_12_0 * t9;
-        const double t12 = d_12_1 * t10;
-        const double t13 = t11 + t11 + (t12 + t12);
-        const double t14 = h1 * (h1 * t13);
-        const double t15 = h1 * (d_12_0 * t7 + s_12_0 * t9 + (d_12_1 * t8 + s_12_1 * t10)) - h2 * t14;
-        const double t16 = h3 * t14;
-        const double t17 = h1 * (d_12_0 * t8 + s_12_1 * t9 - (d_12_1 * t7 + s_12_0 * t10));
-        const double t18 = t17 - t16;
-        const double t19 = s_12_0 * t7;
-        const double t20 = s_12_1 * t8;
+        const double t11 = t7 - t5;
+        const double t12 = d_12_0 * t10;
+        const double t13 = d_12_1 * t11;
+        const double t14 = t12 + t12 + (t13 + t13);
+        const double t15 = e_1_0 * t4;
+        const double t16 = e_1_1 * t5;
+        const double t17 = e_2_0 * t6;
+        const double t18 = e_2_1 * t7;
+        const double t19 = h2 * (h2 * t14);
+        const double t20 = h2 * (d_12_0 * t8 + s_12_0 * t10 + (d_12_1 * t9 + s_12_1 * t11)) - h3 * t19;
+        const double t21 = h4 * t19;
+        const double t22 = h2 * (d_12_0 * t9 + s_12_1 * t10 - (d_12_1 * t8 + s_12_0 * t11));
+        const double t23 = t22 - t21;
+        const double t24 = s_12_0 * t8;
+        const double t25 = s_12_1 * t9;
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t7;
-        points[3].t[k] = t8;
+        points[2].t[k] = t8;
+        points[3].t[k] = t9;
         points[4].t[k] = s[4].t[k] - s[0].t[k];
         points[5].t[k] = s[5].t[k] - s[1].t[k];
-        ends[0].t[k] = t3;
-        ends[1].t[k] = t4;
-        ends[2].t[k] = t5;
-        ends[3].t[k] = t6;
-        linear[0].t[k] = t15;
-        linear[1].t[k] = t18;
-        linear[2].t[k] = t16 - t17;
-        linear[3].t[k] = t15;
-        linear[4].t[k] = sin * t4 + e_1_1 * t18 - (cos * t3 + e_1_0 * t15);
-        linear[5].t[k] = -(cos * t4 + e_1_1 * t15 + (sin * t3 + e_1_0 * t18));
-        mismatch[0].t[k] = h4 * (0.5 * (t19 + t19 + (t20 + t20))) - h5 * (0.5 * t13);
+        ends[0].t[k] = t4;
+        ends[1].t[k] = t5;
+        ends[2].t[k] = t6;
+        ends[3].t[k] = t7;
+        spread[0].t[k] = h1 * (t14 - spread_0 * (t15 + t15 + (t16 + t16) + (t17 + t17) + (t18 + t18)));
+        linear[0].t[k] = t20;
+        linear[1].t[k] = t23;
+        linear[2].t[k] = t21 - t22;
+        linear[3].t[k] = t20;
+        linear[4].t[k] = sin * t5 + e_1_1 * t23 - (cos * t4 + e_1_0 * t20);
+        linear[5].t[k] = -(cos * t5 + e_1_1 * t20 + (sin * t4 + e_1_0 * t23));
+        mismatch[0].t[k] = h5 * (0.5 * (t24 + t24 + (t25 + t25))) - h6 * (0.5 * t14);
     }
 }
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
- * (3.30).  (122 add, 128 multiply, 7 divide, 6 square root) */
+ * (3.30).  (125 add, 135 multiply, 9 divide, 6 square root) */
 static inline void krhpr_platform_planar_a_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
+    krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(length);
     (void)(tolerance);
@@ -1653,40 +1664,43 @@ static inline void krhpr_platform_planar_a_three_encoders_tangent(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
-    const double h2 = s_12_0 * d_13_1 - s_13_0 * d_12_1;
-    const double h1 = 1.0 / area;
-    const double u_x_0 = h2 * h1;
-    const double h3 = s_12_1 * d_13_1 - s_13_1 * d_12_1;
-    const double u_x_1 = h1 * h3;
-    const double h4 = s_13_0 * d_12_0 - s_12_0 * d_13_0;
-    const double u_y_0 = h1 * h4;
-    const double h5 = s_13_1 * d_12_0 - s_12_1 * d_13_0;
-    const double u_y_1 = h1 * h5;
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
     const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t1 = sqrt(r_2_0);
-    const double t2 = sqrt(d_2_0);
-    const double gap_0 = t1 - t2;
-    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
     const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
-    const double t3 = sqrt(r_2_1);
-    const double t4 = sqrt(d_2_1);
-    const double gap_1 = t3 - t4;
-    const double h10 = s_13_0 - s_12_0;
-    const double h11 = s_13_1 - s_12_1;
-    const double r_2_2 = h10 * h10 + h11 * h11;
-    const double h12 = d_13_0 - d_12_0;
-    const double h13 = d_13_1 - d_12_1;
-    const double d_2_2 = h12 * h12 + h13 * h13;
-    const double t5 = sqrt(r_2_2);
-    const double t6 = sqrt(d_2_2);
-    const double gap_2 = t5 - t6;
-    const double h6 = 1.0 / t1;
+    const double t1 = d_2_0 * d_2_1;
+    const double spread_0 = area * area / t1;
+    const double h3 = s_12_0 * d_13_1 - s_13_0 * d_12_1;
+    const double h2 = 1.0 / area;
+    const double u_x_0 = h3 * h2;
+    const double h4 = s_12_1 * d_13_1 - s_13_1 * d_12_1;
+    const double u_x_1 = h2 * h4;
+    const double h5 = s_13_0 * d_12_0 - s_12_0 * d_13_0;
+    const double u_y_0 = h2 * h5;
+    const double h6 = s_13_1 * d_12_0 - s_12_1 * d_13_0;
+    const double u_y_1 = h2 * h6;
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t2 = sqrt(r_2_0);
+    const double t3 = sqrt(d_2_0);
+    const double gap_0 = t2 - t3;
+    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double t4 = sqrt(r_2_1);
+    const double t5 = sqrt(d_2_1);
+    const double gap_1 = t4 - t5;
+    const double h11 = s_13_0 - s_12_0;
+    const double h12 = s_13_1 - s_12_1;
+    const double r_2_2 = h11 * h11 + h12 * h12;
+    const double h13 = d_13_0 - d_12_0;
+    const double h14 = d_13_1 - d_12_1;
+    const double d_2_2 = h13 * h13 + h14 * h14;
+    const double t6 = sqrt(r_2_2);
+    const double t7 = sqrt(d_2_2);
+    const double gap_2 = t6 - t7;
+    const double h1 = 1.0 / t1;
     const double h7 = 1.0 / t2;
     const double h8 = 1.0 / t3;
     const double h9 = 1.0 / t4;
-    const double h14 = 1.0 / t5;
+    const double h10 = 1.0 / t5;
     const double h15 = 1.0 / t6;
+    const double h16 = 1.0 / t7;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -1699,6 +1713,7 @@ static inline void krhpr_platform_planar_a_three_encoders_tangent(
     ends[3].v = e_2_1;
     ends[4].v = e_3_0;
     ends[5].v = e_3_1;
+    spread[0].v = spread_0;
     linear[0].v = u_x_0;
     linear[1].v = u_x_1;
     linear[2].v = u_y_0;
@@ -1709,61 +1724,64 @@ static inline void krhpr_platform_planar_a_three_encoders_tangent(
     mismatch[1].v = gap_1;
     mismatch[2].v = gap_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t7 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
-        const double t8 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
-        const double t9 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
-        const double t10 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
-        const double t11 = anchor[4].t[k] - (arm[4].v * turns[4].t[k] + turns[4].v * arm[4].t[k]) - (arm[5].v * turns[5].t[k] + turns[5].v * arm[5].t[k]);
-        const double t12 = anchor[5].t[k] + (arm[4].v * turns[5].t[k] + turns[5].v * arm[4].t[k]) - (arm[5].v * turns[4].t[k] + turns[4].v * arm[5].t[k]);
-        const double t13 = s[2].t[k] - s[0].t[k];
-        const double t14 = s[3].t[k] - s[1].t[k];
-        const double t15 = s[4].t[k] - s[0].t[k];
-        const double t16 = s[5].t[k] - s[1].t[k];
-        const double t17 = t9 - t7;
+        const double t8 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
+        const double t9 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
+        const double t10 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
+        const double t11 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
+        const double t12 = anchor[4].t[k] - (arm[4].v * turns[4].t[k] + turns[4].v * arm[4].t[k]) - (arm[5].v * turns[5].t[k] + turns[5].v * arm[5].t[k]);
+        const double t13 = anchor[5].t[k] + (arm[4].v * turns[5].t[k] + turns[5].v * arm[4].t[k]) - (arm[5].v * turns[4].t[k] + turns[4].v * arm[5].t[k]);
+        const double t14 = s[2].t[k] - s[0].t[k];
+        const double t15 = s[3].t[k] - s[1].t[k];
+        const double t16 = s[4].t[k] - s[0].t[k];
+        const double t17 = s[5].t[k] - s[1].t[k];
         const double t18 = t10 - t8;
-        const double t19 = t11 - t7;
+        const double t19 = t11 - t9;
         const double t20 = t12 - t8;
-        const double t21 = h1 * (h1 * (d_13_1 * t17 + d_12_0 * t20 - (d_13_0 * t18 + d_12_1 * t19)));
-        const double t22 = h1 * (d_13_1 * t13 + s_12_0 * t20 - (d_12_1 * t15 + s_13_0 * t18)) - h2 * t21;
-        const double t23 = h1 * (d_13_1 * t14 + s_12_1 * t20 - (d_12_1 * t16 + s_13_1 * t18)) - h3 * t21;
-        const double t24 = h1 * (d_12_0 * t15 + s_13_0 * t17 - (d_13_0 * t13 + s_12_0 * t19)) - h4 * t21;
-        const double t25 = h1 * (d_12_0 * t16 + s_13_1 * t17 - (d_13_0 * t14 + s_12_1 * t19)) - h5 * t21;
-        const double t26 = s_12_0 * t13;
-        const double t27 = s_12_1 * t14;
-        const double t28 = d_12_0 * t17;
-        const double t29 = d_12_1 * t18;
-        const double t30 = h6 * (0.5 * (t26 + t26 + (t27 + t27))) - h7 * (0.5 * (t28 + t28 + (t29 + t29)));
-        const double t31 = s_13_0 * t15;
-        const double t32 = s_13_1 * t16;
-        const double t33 = d_13_0 * t19;
-        const double t34 = d_13_1 * t20;
-        const double t35 = h8 * (0.5 * (t31 + t31 + (t32 + t32))) - h9 * (0.5 * (t33 + t33 + (t34 + t34)));
-        const double t36 = h10 * (t15 - t13);
-        const double t37 = h11 * (t16 - t14);
-        const double t38 = h12 * (t19 - t17);
-        const double t39 = h13 * (t20 - t18);
-        const double t40 = h14 * (0.5 * (t36 + t36 + (t37 + t37))) - h15 * (0.5 * (t38 + t38 + (t39 + t39)));
+        const double t21 = t13 - t9;
+        const double t22 = d_13_1 * t18 + d_12_0 * t21 - (d_13_0 * t19 + d_12_1 * t20);
+        const double t23 = area * t22;
+        const double t24 = d_12_0 * t18;
+        const double t25 = d_12_1 * t19;
+        const double t26 = t24 + t24 + (t25 + t25);
+        const double t27 = d_13_0 * t20;
+        const double t28 = d_13_1 * t21;
+        const double t29 = t27 + t27 + (t28 + t28);
+        const double t30 = h2 * (h2 * t22);
+        const double t31 = h2 * (d_13_1 * t14 + s_12_0 * t21 - (d_12_1 * t16 + s_13_0 * t19)) - h3 * t30;
+        const double t32 = h2 * (d_13_1 * t15 + s_12_1 * t21 - (d_12_1 * t17 + s_13_1 * t19)) - h4 * t30;
+        const double t33 = h2 * (d_12_0 * t16 + s_13_0 * t18 - (d_13_0 * t14 + s_12_0 * t20)) - h5 * t30;
+        const double t34 = h2 * (d_12_0 * t17 + s_13_1 * t18 - (d_13_0 * t15 + s_12_1 * t20)) - h6 * t30;
+        const double t35 = s_12_0 * t14;
+        const double t36 = s_12_1 * t15;
+        const double t37 = s_13_0 * t16;
+        const double t38 = s_13_1 * t17;
+        const double t39 = h11 * (t16 - t14);
+        const double t40 = h12 * (t17 - t15);
+        const double t41 = h13 * (t20 - t18);
+        const double t42 = h14 * (t21 - t19);
+        const double t43 = h15 * (0.5 * (t39 + t39 + (t40 + t40))) - h16 * (0.5 * (t41 + t41 + (t42 + t42)));
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t13;
-        points[3].t[k] = t14;
-        points[4].t[k] = t15;
-        points[5].t[k] = t16;
-        ends[0].t[k] = t7;
-        ends[1].t[k] = t8;
-        ends[2].t[k] = t9;
-        ends[3].t[k] = t10;
-        ends[4].t[k] = t11;
-        ends[5].t[k] = t12;
-        linear[0].t[k] = t22;
-        linear[1].t[k] = t23;
-        linear[2].t[k] = t24;
-        linear[3].t[k] = t25;
-        linear[4].t[k] = -(u_x_0 * t7 + e_1_0 * t22 + (u_y_0 * t8 + e_1_1 * t24));
-        linear[5].t[k] = -(u_x_1 * t7 + e_1_0 * t23 + (u_y_1 * t8 + e_1_1 * t25));
-        mismatch[0].t[k] = t30;
-        mismatch[1].t[k] = t35;
-        mismatch[2].t[k] = t40;
+        points[2].t[k] = t14;
+        points[3].t[k] = t15;
+        points[4].t[k] = t16;
+        points[5].t[k] = t17;
+        ends[0].t[k] = t8;
+        ends[1].t[k] = t9;
+        ends[2].t[k] = t10;
+        ends[3].t[k] = t11;
+        ends[4].t[k] = t12;
+        ends[5].t[k] = t13;
+        spread[0].t[k] = h1 * (t23 + t23 - spread_0 * (d_2_1 * t26 + d_2_0 * t29));
+        linear[0].t[k] = t31;
+        linear[1].t[k] = t32;
+        linear[2].t[k] = t33;
+        linear[3].t[k] = t34;
+        linear[4].t[k] = -(u_x_0 * t8 + e_1_0 * t31 + (u_y_0 * t9 + e_1_1 * t33));
+        linear[5].t[k] = -(u_x_1 * t8 + e_1_0 * t32 + (u_y_1 * t9 + e_1_1 * t34));
+        mismatch[0].t[k] = h7 * (0.5 * (t35 + t35 + (t36 + t36))) - h8 * (0.5 * t26);
+        mismatch[1].t[k] = h9 * (0.5 * (t37 + t37 + (t38 + t38))) - h10 * (0.5 * t29);
+        mismatch[2].t[k] = t43;
     }
 }
 

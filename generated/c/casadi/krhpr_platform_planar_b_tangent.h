@@ -783,11 +783,12 @@ static inline void krhpr_platform_planar_b_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (61 add, 68 multiply, 3 divide, 2 square root) */
+ * (3.24).  (72 add, 78 multiply, 5 divide, 2 square root) */
 static inline void krhpr_platform_planar_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
+    krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double h1 = measured[0].v + start[0].v;
@@ -803,17 +804,20 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double h4 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
-    const double h3 = 1.0 / d_12_2;
-    const double cos = h4 * h3;
-    const double h5 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
-    const double sin = h3 * h5;
+    const double t1 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double spread_0 = d_12_2 / t1;
+    const double h5 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
+    const double h4 = 1.0 / d_12_2;
+    const double cos = h5 * h4;
+    const double h6 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
+    const double sin = h4 * h6;
     const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double t1 = sqrt(r_2_0);
-    const double t2 = sqrt(d_12_2);
-    const double gap_0 = t1 - t2;
-    const double h6 = 1.0 / t1;
+    const double t2 = sqrt(r_2_0);
+    const double t3 = sqrt(d_12_2);
+    const double gap_0 = t2 - t3;
+    const double h3 = 1.0 / t1;
     const double h7 = 1.0 / t2;
+    const double h8 = 1.0 / t3;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -824,6 +828,7 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     ends[1].v = e_1_1;
     ends[2].v = e_2_0;
     ends[3].v = e_2_1;
+    spread[0].v = spread_0;
     linear[0].v = cos;
     linear[1].v = sin;
     linear[2].v = -sin;
@@ -832,52 +837,58 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     linear[5].v = -(e_1_1 * cos + e_1_0 * sin);
     mismatch[0].v = gap_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = measured[0].t[k] + start[0].t[k];
-        const double t4 = h1 * slide[0].t[k] + slide[0].v * t3 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
-        const double t5 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t3);
-        const double t6 = measured[1].t[k] + start[1].t[k];
-        const double t7 = h2 * slide[2].t[k] + slide[2].v * t6 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
-        const double t8 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t6);
-        const double t9 = s[2].t[k] - s[0].t[k];
-        const double t10 = s[3].t[k] - s[1].t[k];
-        const double t11 = t7 - t4;
+        const double t4 = measured[0].t[k] + start[0].t[k];
+        const double t5 = h1 * slide[0].t[k] + slide[0].v * t4 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
+        const double t6 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t4);
+        const double t7 = measured[1].t[k] + start[1].t[k];
+        const double t8 = h2 * slide[2].t[k] + slide[2].v * t7 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
+        const double t9 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t7);
+        const double t10 = s[2].t[k] - s[0].t[k];
+        const double t11 = s[3].t[k] - s[1].t[k];
         const double t12 = t8 - t5;
-        const double t13 = d_12_0 * t11;
-        const double t14 = d_12_1 * t12;
-        const double t15 = t13 + t13 + (t14 + t14);
-        const double t16 = h3 * (h3 * t15);
-        const double t17 = h3 * (d_12_0 * t9 + s_12_0 * t11 + (d_12_1 * t10 + s_12_1 * t12)) - h4 * t16;
-        const double t18 = h5 * t16;
-        const double t19 = h3 * (d_12_0 * t10 + s_12_1 * t11 - (d_12_1 * t9 + s_12_0 * t12));
-        const double t20 = t19 - t18;
-        const double t21 = s_12_0 * t9;
-        const double t22 = s_12_1 * t10;
+        const double t13 = t9 - t6;
+        const double t14 = d_12_0 * t12;
+        const double t15 = d_12_1 * t13;
+        const double t16 = t14 + t14 + (t15 + t15);
+        const double t17 = e_1_0 * t5;
+        const double t18 = e_1_1 * t6;
+        const double t19 = e_2_0 * t8;
+        const double t20 = e_2_1 * t9;
+        const double t21 = h4 * (h4 * t16);
+        const double t22 = h4 * (d_12_0 * t10 + s_12_0 * t12 + (d_12_1 * t11 + s_12_1 * t13)) - h5 * t21;
+        const double t23 = h6 * t21;
+        const double t24 = h4 * (d_12_0 * t11 + s_12_1 * t12 - (d_12_1 * t10 + s_12_0 * t13));
+        const double t25 = t24 - t23;
+        const double t26 = s_12_0 * t10;
+        const double t27 = s_12_1 * t11;
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t9;
-        points[3].t[k] = t10;
+        points[2].t[k] = t10;
+        points[3].t[k] = t11;
         points[4].t[k] = s[4].t[k] - s[0].t[k];
         points[5].t[k] = s[5].t[k] - s[1].t[k];
-        ends[0].t[k] = t4;
-        ends[1].t[k] = t5;
-        ends[2].t[k] = t7;
-        ends[3].t[k] = t8;
-        linear[0].t[k] = t17;
-        linear[1].t[k] = t20;
-        linear[2].t[k] = t18 - t19;
-        linear[3].t[k] = t17;
-        linear[4].t[k] = sin * t5 + e_1_1 * t20 - (cos * t4 + e_1_0 * t17);
-        linear[5].t[k] = -(cos * t5 + e_1_1 * t17 + (sin * t4 + e_1_0 * t20));
-        mismatch[0].t[k] = h6 * (0.5 * (t21 + t21 + (t22 + t22))) - h7 * (0.5 * t15);
+        ends[0].t[k] = t5;
+        ends[1].t[k] = t6;
+        ends[2].t[k] = t8;
+        ends[3].t[k] = t9;
+        spread[0].t[k] = h3 * (t16 - spread_0 * (t17 + t17 + (t18 + t18) + (t19 + t19) + (t20 + t20)));
+        linear[0].t[k] = t22;
+        linear[1].t[k] = t25;
+        linear[2].t[k] = t23 - t24;
+        linear[3].t[k] = t22;
+        linear[4].t[k] = sin * t6 + e_1_1 * t25 - (cos * t5 + e_1_0 * t22);
+        linear[5].t[k] = -(cos * t6 + e_1_1 * t22 + (sin * t5 + e_1_0 * t25));
+        mismatch[0].t[k] = h7 * (0.5 * (t26 + t26 + (t27 + t27))) - h8 * (0.5 * t16);
     }
 }
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
- * (3.30).  (116 add, 128 multiply, 7 divide, 6 square root) */
+ * (3.30).  (119 add, 135 multiply, 9 divide, 6 square root) */
 static inline void krhpr_platform_planar_b_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
+    krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double h1 = measured[0].v + start[0].v;
@@ -898,40 +909,43 @@ static inline void krhpr_platform_planar_b_three_encoders_tangent(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
-    const double h5 = s_12_0 * d_13_1 - s_13_0 * d_12_1;
-    const double h4 = 1.0 / area;
-    const double u_x_0 = h5 * h4;
-    const double h6 = s_12_1 * d_13_1 - s_13_1 * d_12_1;
-    const double u_x_1 = h4 * h6;
-    const double h7 = s_13_0 * d_12_0 - s_12_0 * d_13_0;
-    const double u_y_0 = h4 * h7;
-    const double h8 = s_13_1 * d_12_0 - s_12_1 * d_13_0;
-    const double u_y_1 = h4 * h8;
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
     const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t1 = sqrt(r_2_0);
-    const double t2 = sqrt(d_2_0);
-    const double gap_0 = t1 - t2;
-    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
     const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
-    const double t3 = sqrt(r_2_1);
-    const double t4 = sqrt(d_2_1);
-    const double gap_1 = t3 - t4;
-    const double h13 = s_13_0 - s_12_0;
-    const double h14 = s_13_1 - s_12_1;
-    const double r_2_2 = h13 * h13 + h14 * h14;
-    const double h15 = d_13_0 - d_12_0;
-    const double h16 = d_13_1 - d_12_1;
-    const double d_2_2 = h15 * h15 + h16 * h16;
-    const double t5 = sqrt(r_2_2);
-    const double t6 = sqrt(d_2_2);
-    const double gap_2 = t5 - t6;
-    const double h9 = 1.0 / t1;
+    const double t1 = d_2_0 * d_2_1;
+    const double spread_0 = area * area / t1;
+    const double h6 = s_12_0 * d_13_1 - s_13_0 * d_12_1;
+    const double h5 = 1.0 / area;
+    const double u_x_0 = h6 * h5;
+    const double h7 = s_12_1 * d_13_1 - s_13_1 * d_12_1;
+    const double u_x_1 = h5 * h7;
+    const double h8 = s_13_0 * d_12_0 - s_12_0 * d_13_0;
+    const double u_y_0 = h5 * h8;
+    const double h9 = s_13_1 * d_12_0 - s_12_1 * d_13_0;
+    const double u_y_1 = h5 * h9;
+    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t2 = sqrt(r_2_0);
+    const double t3 = sqrt(d_2_0);
+    const double gap_0 = t2 - t3;
+    const double r_2_1 = s_13_0 * s_13_0 + s_13_1 * s_13_1;
+    const double t4 = sqrt(r_2_1);
+    const double t5 = sqrt(d_2_1);
+    const double gap_1 = t4 - t5;
+    const double h14 = s_13_0 - s_12_0;
+    const double h15 = s_13_1 - s_12_1;
+    const double r_2_2 = h14 * h14 + h15 * h15;
+    const double h16 = d_13_0 - d_12_0;
+    const double h17 = d_13_1 - d_12_1;
+    const double d_2_2 = h16 * h16 + h17 * h17;
+    const double t6 = sqrt(r_2_2);
+    const double t7 = sqrt(d_2_2);
+    const double gap_2 = t6 - t7;
+    const double h4 = 1.0 / t1;
     const double h10 = 1.0 / t2;
     const double h11 = 1.0 / t3;
     const double h12 = 1.0 / t4;
-    const double h17 = 1.0 / t5;
+    const double h13 = 1.0 / t5;
     const double h18 = 1.0 / t6;
+    const double h19 = 1.0 / t7;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -944,6 +958,7 @@ static inline void krhpr_platform_planar_b_three_encoders_tangent(
     ends[3].v = e_2_1;
     ends[4].v = e_3_0;
     ends[5].v = e_3_1;
+    spread[0].v = spread_0;
     linear[0].v = u_x_0;
     linear[1].v = u_x_1;
     linear[2].v = u_y_0;
@@ -954,64 +969,67 @@ static inline void krhpr_platform_planar_b_three_encoders_tangent(
     mismatch[1].v = gap_1;
     mismatch[2].v = gap_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t7 = measured[0].t[k] + start[0].t[k];
-        const double t8 = h1 * slide[0].t[k] + slide[0].v * t7 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
-        const double t9 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t7);
-        const double t10 = measured[1].t[k] + start[1].t[k];
-        const double t11 = h2 * slide[2].t[k] + slide[2].v * t10 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
-        const double t12 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t10);
-        const double t13 = measured[2].t[k] + start[2].t[k];
-        const double t14 = h3 * slide[4].t[k] + slide[4].v * t13 - (distance[2].v * slide[5].t[k] + slide[5].v * distance[2].t[k]);
-        const double t15 = distance[2].v * slide[4].t[k] + slide[4].v * distance[2].t[k] + (h3 * slide[5].t[k] + slide[5].v * t13);
-        const double t16 = s[2].t[k] - s[0].t[k];
-        const double t17 = s[3].t[k] - s[1].t[k];
-        const double t18 = s[4].t[k] - s[0].t[k];
-        const double t19 = s[5].t[k] - s[1].t[k];
-        const double t20 = t11 - t8;
+        const double t8 = measured[0].t[k] + start[0].t[k];
+        const double t9 = h1 * slide[0].t[k] + slide[0].v * t8 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
+        const double t10 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t8);
+        const double t11 = measured[1].t[k] + start[1].t[k];
+        const double t12 = h2 * slide[2].t[k] + slide[2].v * t11 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
+        const double t13 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t11);
+        const double t14 = measured[2].t[k] + start[2].t[k];
+        const double t15 = h3 * slide[4].t[k] + slide[4].v * t14 - (distance[2].v * slide[5].t[k] + slide[5].v * distance[2].t[k]);
+        const double t16 = distance[2].v * slide[4].t[k] + slide[4].v * distance[2].t[k] + (h3 * slide[5].t[k] + slide[5].v * t14);
+        const double t17 = s[2].t[k] - s[0].t[k];
+        const double t18 = s[3].t[k] - s[1].t[k];
+        const double t19 = s[4].t[k] - s[0].t[k];
+        const double t20 = s[5].t[k] - s[1].t[k];
         const double t21 = t12 - t9;
-        const double t22 = t14 - t8;
+        const double t22 = t13 - t10;
         const double t23 = t15 - t9;
-        const double t24 = h4 * (h4 * (d_13_1 * t20 + d_12_0 * t23 - (d_13_0 * t21 + d_12_1 * t22)));
-        const double t25 = h4 * (d_13_1 * t16 + s_12_0 * t23 - (d_12_1 * t18 + s_13_0 * t21)) - h5 * t24;
-        const double t26 = h4 * (d_13_1 * t17 + s_12_1 * t23 - (d_12_1 * t19 + s_13_1 * t21)) - h6 * t24;
-        const double t27 = h4 * (d_12_0 * t18 + s_13_0 * t20 - (d_13_0 * t16 + s_12_0 * t22)) - h7 * t24;
-        const double t28 = h4 * (d_12_0 * t19 + s_13_1 * t20 - (d_13_0 * t17 + s_12_1 * t22)) - h8 * t24;
-        const double t29 = s_12_0 * t16;
-        const double t30 = s_12_1 * t17;
-        const double t31 = d_12_0 * t20;
-        const double t32 = d_12_1 * t21;
-        const double t33 = h9 * (0.5 * (t29 + t29 + (t30 + t30))) - h10 * (0.5 * (t31 + t31 + (t32 + t32)));
-        const double t34 = s_13_0 * t18;
-        const double t35 = s_13_1 * t19;
-        const double t36 = d_13_0 * t22;
-        const double t37 = d_13_1 * t23;
-        const double t38 = h11 * (0.5 * (t34 + t34 + (t35 + t35))) - h12 * (0.5 * (t36 + t36 + (t37 + t37)));
-        const double t39 = h13 * (t18 - t16);
-        const double t40 = h14 * (t19 - t17);
-        const double t41 = h15 * (t22 - t20);
-        const double t42 = h16 * (t23 - t21);
-        const double t43 = h17 * (0.5 * (t39 + t39 + (t40 + t40))) - h18 * (0.5 * (t41 + t41 + (t42 + t42)));
+        const double t24 = t16 - t10;
+        const double t25 = d_13_1 * t21 + d_12_0 * t24 - (d_13_0 * t22 + d_12_1 * t23);
+        const double t26 = area * t25;
+        const double t27 = d_12_0 * t21;
+        const double t28 = d_12_1 * t22;
+        const double t29 = t27 + t27 + (t28 + t28);
+        const double t30 = d_13_0 * t23;
+        const double t31 = d_13_1 * t24;
+        const double t32 = t30 + t30 + (t31 + t31);
+        const double t33 = h5 * (h5 * t25);
+        const double t34 = h5 * (d_13_1 * t17 + s_12_0 * t24 - (d_12_1 * t19 + s_13_0 * t22)) - h6 * t33;
+        const double t35 = h5 * (d_13_1 * t18 + s_12_1 * t24 - (d_12_1 * t20 + s_13_1 * t22)) - h7 * t33;
+        const double t36 = h5 * (d_12_0 * t19 + s_13_0 * t21 - (d_13_0 * t17 + s_12_0 * t23)) - h8 * t33;
+        const double t37 = h5 * (d_12_0 * t20 + s_13_1 * t21 - (d_13_0 * t18 + s_12_1 * t23)) - h9 * t33;
+        const double t38 = s_12_0 * t17;
+        const double t39 = s_12_1 * t18;
+        const double t40 = s_13_0 * t19;
+        const double t41 = s_13_1 * t20;
+        const double t42 = h14 * (t19 - t17);
+        const double t43 = h15 * (t20 - t18);
+        const double t44 = h16 * (t23 - t21);
+        const double t45 = h17 * (t24 - t22);
+        const double t46 = h18 * (0.5 * (t42 + t42 + (t43 + t43))) - h19 * (0.5 * (t44 + t44 + (t45 + t45)));
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t16;
-        points[3].t[k] = t17;
-        points[4].t[k] = t18;
-        points[5].t[k] = t19;
-        ends[0].t[k] = t8;
-        ends[1].t[k] = t9;
-        ends[2].t[k] = t11;
-        ends[3].t[k] = t12;
-        ends[4].t[k] = t14;
-        ends[5].t[k] = t15;
-        linear[0].t[k] = t25;
-        linear[1].t[k] = t26;
-        linear[2].t[k] = t27;
-        linear[3].t[k] = t28;
-        linear[4].t[k] = -(u_x_0 * t8 + e_1_0 * t25 + (u_y_0 * t9 + e_1_1 * t27));
-        linear[5].t[k] = -(u_x_1 * t8 + e_1_0 * t26 + (u_y_1 * t9 + e_1_1 * t28));
-        mismatch[0].t[k] = t33;
-        mismatch[1].t[k] = t38;
-        mismatch[2].t[k] = t43;
+        points[2].t[k] = t17;
+        points[3].t[k] = t18;
+        points[4].t[k] = t19;
+        points[5].t[k] = t20;
+        ends[0].t[k] = t9;
+        ends[1].t[k] = t10;
+        ends[2].t[k] = t12;
+        ends[3].t[k] = t13;
+        ends[4].t[k] = t15;
+        ends[5].t[k] = t16;
+        spread[0].t[k] = h4 * (t26 + t26 - spread_0 * (d_2_1 * t29 + d_2_0 * t32));
+        linear[0].t[k] = t34;
+        linear[1].t[k] = t35;
+        linear[2].t[k] = t36;
+        linear[3].t[k] = t37;
+        linear[4].t[k] = -(u_x_0 * t9 + e_1_0 * t34 + (u_y_0 * t10 + e_1_1 * t36));
+        linear[5].t[k] = -(u_x_1 * t9 + e_1_0 * t35 + (u_y_1 * t10 + e_1_1 * t37));
+        mismatch[0].t[k] = h10 * (0.5 * (t38 + t38 + (t39 + t39))) - h11 * (0.5 * t29);
+        mismatch[1].t[k] = h12 * (0.5 * (t40 + t40 + (t41 + t41))) - h13 * (0.5 * t32);
+        mismatch[2].t[k] = t46;
     }
 }
 

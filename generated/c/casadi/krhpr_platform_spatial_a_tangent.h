@@ -2174,12 +2174,12 @@ static inline void krhpr_platform_spatial_a_one_encoder_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (154 add, 195 multiply, 7 divide, 4 square root) */
+ * (3.24).  (164 add, 201 multiply, 8 divide, 3 square root) */
 static inline void krhpr_platform_spatial_a_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
-    krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(length);
     (void)(tolerance);
@@ -2230,18 +2230,18 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double h14 = points_10 * d_12_0;
-    const double h13 = 1.0 / d_12_2;
-    const double cos = h14 * h13;
-    const double h15 = e_1_1 - e_2_1;
-    const double h16 = points_10 * h15;
-    const double sin = h13 * h16;
-    const double r_2_0 = points_10 * points_10;
-    const double t2 = sqrt(r_2_0);
+    const double t2 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double spread_0 = d_12_2 / t2;
+    const double h15 = points_10 * d_12_0;
+    const double h14 = 1.0 / d_12_2;
+    const double cos = h15 * h14;
+    const double h16 = e_1_1 - e_2_1;
+    const double h17 = points_10 * h16;
+    const double sin = h14 * h17;
     const double t3 = sqrt(d_12_2);
-    const double gap_0 = t2 - t3;
+    const double gap_0 = points_10 - t3;
     const double h7 = 1.0 / t1;
-    const double h17 = 1.0 / t2;
+    const double h13 = 1.0 / t2;
     const double h18 = 1.0 / t3;
     flatness[0].v = flatness_0;
     points[0].v = 0.0;
@@ -2263,6 +2263,7 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
     ends[1].v = e_1_1;
     ends[2].v = e_2_0;
     ends[3].v = e_2_1;
+    spread[0].v = spread_0;
     linear[0].v = cos;
     linear[1].v = sin;
     linear[2].v = -sin;
@@ -2319,12 +2320,15 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
         const double t49 = d_12_0 * t48;
         const double t50 = d_12_1 * (t7 - t5);
         const double t51 = t49 + t49 + (t50 + t50);
-        const double t52 = h13 * (h13 * t51);
-        const double t53 = h13 * (d_12_0 * t47 + points_10 * t48) - h14 * t52;
-        const double t54 = h16 * t52;
-        const double t55 = h13 * (h15 * t47 + points_10 * (t5 - t7));
-        const double t56 = t55 - t54;
-        const double t57 = points_10 * t47;
+        const double t52 = e_1_0 * t4;
+        const double t53 = e_1_1 * t5;
+        const double t54 = e_2_0 * t6;
+        const double t55 = e_2_1 * t7;
+        const double t56 = h14 * (h14 * t51);
+        const double t57 = h14 * (d_12_0 * t47 + points_10 * t48) - h15 * t56;
+        const double t58 = h17 * t56;
+        const double t59 = h14 * (h16 * t47 + points_10 * (t5 - t7));
+        const double t60 = t59 - t58;
         flatness[0].t[k] = h7 * (t29 - flatness_0 * t33);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -2345,23 +2349,24 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
         ends[1].t[k] = t5;
         ends[2].t[k] = t6;
         ends[3].t[k] = t7;
-        linear[0].t[k] = t53;
-        linear[1].t[k] = t56;
-        linear[2].t[k] = t54 - t55;
-        linear[3].t[k] = t53;
-        linear[4].t[k] = sin * t5 + e_1_1 * t56 - (cos * t4 + e_1_0 * t53);
-        linear[5].t[k] = -(cos * t5 + e_1_1 * t53 + (sin * t4 + e_1_0 * t56));
-        mismatch[0].t[k] = h17 * (0.5 * (t57 + t57)) - h18 * (0.5 * t51);
+        spread[0].t[k] = h13 * (t51 - spread_0 * (t52 + t52 + (t53 + t53) + (t54 + t54) + (t55 + t55)));
+        linear[0].t[k] = t57;
+        linear[1].t[k] = t60;
+        linear[2].t[k] = t58 - t59;
+        linear[3].t[k] = t57;
+        linear[4].t[k] = sin * t5 + e_1_1 * t60 - (cos * t4 + e_1_0 * t57);
+        linear[5].t[k] = -(cos * t5 + e_1_1 * t57 + (sin * t4 + e_1_0 * t60));
+        mismatch[0].t[k] = t47 - h18 * (0.5 * t51);
     }
 }
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
- * (3.30).  (212 add, 253 multiply, 11 divide, 8 square root) */
+ * (3.30).  (214 add, 256 multiply, 12 divide, 7 square root) */
 static inline void krhpr_platform_spatial_a_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
-    krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(length);
     (void)(tolerance);
@@ -2419,24 +2424,24 @@ static inline void krhpr_platform_spatial_a_three_encoders_tangent(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
-    const double h14 = points_10 * d_13_1 - r_3_0 * d_12_1;
-    const double h13 = 1.0 / area;
-    const double u_x_0 = h14 * h13;
-    const double h15 = e_1_1 - e_2_1;
-    const double h16 = r_3_1 * h15;
-    const double u_x_1 = h13 * h16;
-    const double h17 = r_3_0 * d_12_0 - points_10 * d_13_0;
-    const double u_y_0 = h13 * h17;
-    const double h18 = r_3_1 * d_12_0;
-    const double u_y_1 = h13 * h18;
-    const double r_2_0 = points_10 * points_10;
     const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t5 = sqrt(r_2_0);
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double t5 = d_2_0 * d_2_1;
+    const double spread_0 = area * area / t5;
+    const double h15 = points_10 * d_13_1 - r_3_0 * d_12_1;
+    const double h14 = 1.0 / area;
+    const double u_x_0 = h15 * h14;
+    const double h16 = e_1_1 - e_2_1;
+    const double h17 = r_3_1 * h16;
+    const double u_x_1 = h14 * h17;
+    const double h18 = r_3_0 * d_12_0 - points_10 * d_13_0;
+    const double u_y_0 = h14 * h18;
+    const double h19 = r_3_1 * d_12_0;
+    const double u_y_1 = h14 * h19;
     const double t6 = sqrt(d_2_0);
-    const double gap_0 = t5 - t6;
+    const double gap_0 = points_10 - t6;
     const double t7 = r_3_1 * r_3_1;
     const double r_2_1 = r_3_0 * r_3_0 + t7;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t8 = sqrt(r_2_1);
     const double t9 = sqrt(d_2_1);
     const double gap_1 = t8 - t9;
@@ -2449,7 +2454,7 @@ static inline void krhpr_platform_spatial_a_three_encoders_tangent(
     const double t11 = sqrt(d_2_2);
     const double gap_2 = t10 - t11;
     const double h7 = 1.0 / t1;
-    const double h19 = 1.0 / t5;
+    const double h13 = 1.0 / t5;
     const double h20 = 1.0 / t6;
     const double h21 = 1.0 / t8;
     const double h22 = 1.0 / t9;
@@ -2477,6 +2482,7 @@ static inline void krhpr_platform_spatial_a_three_encoders_tangent(
     ends[3].v = e_2_1;
     ends[4].v = e_3_0;
     ends[5].v = e_3_1;
+    spread[0].v = spread_0;
     linear[0].v = u_x_0;
     linear[1].v = u_x_1;
     linear[2].v = u_y_0;
@@ -2540,22 +2546,25 @@ static inline void krhpr_platform_spatial_a_three_encoders_tangent(
         const double t62 = t15 - t13;
         const double t63 = t16 - t12;
         const double t64 = t17 - t13;
-        const double t65 = h13 * (h13 * (d_13_1 * t61 + d_12_0 * t64 - (d_13_0 * t62 + d_12_1 * t63)));
-        const double t66 = h13 * (d_13_1 * t60 + points_10 * t64 - (d_12_1 * t55 + r_3_0 * t62)) - h14 * t65;
-        const double t67 = h13 * (h15 * t56 + r_3_1 * (t13 - t15)) - h16 * t65;
-        const double t68 = h13 * (d_12_0 * t55 + r_3_0 * t61 - (d_13_0 * t60 + points_10 * t63)) - h17 * t65;
-        const double t69 = h13 * (d_12_0 * t56 + r_3_1 * t61) - h18 * t65;
-        const double t70 = points_10 * t60;
-        const double t71 = d_12_0 * t61;
-        const double t72 = d_12_1 * t62;
-        const double t73 = r_3_0 * t55;
-        const double t74 = r_3_1 * t56;
-        const double t75 = t74 + t74;
-        const double t76 = d_13_0 * t63;
-        const double t77 = d_13_1 * t64;
-        const double t78 = h23 * (t55 - t57 - t58 - t59);
-        const double t79 = h24 * (t63 - t61);
-        const double t80 = h25 * (t64 - t62);
+        const double t65 = d_13_1 * t61 + d_12_0 * t64 - (d_13_0 * t62 + d_12_1 * t63);
+        const double t66 = area * t65;
+        const double t67 = d_12_0 * t61;
+        const double t68 = d_12_1 * t62;
+        const double t69 = t67 + t67 + (t68 + t68);
+        const double t70 = d_13_0 * t63;
+        const double t71 = d_13_1 * t64;
+        const double t72 = t70 + t70 + (t71 + t71);
+        const double t73 = h14 * (h14 * t65);
+        const double t74 = h14 * (d_13_1 * t60 + points_10 * t64 - (d_12_1 * t55 + r_3_0 * t62)) - h15 * t73;
+        const double t75 = h14 * (h16 * t56 + r_3_1 * (t13 - t15)) - h17 * t73;
+        const double t76 = h14 * (d_12_0 * t55 + r_3_0 * t61 - (d_13_0 * t60 + points_10 * t63)) - h18 * t73;
+        const double t77 = h14 * (d_12_0 * t56 + r_3_1 * t61) - h19 * t73;
+        const double t78 = r_3_0 * t55;
+        const double t79 = r_3_1 * t56;
+        const double t80 = t79 + t79;
+        const double t81 = h23 * (t55 - t57 - t58 - t59);
+        const double t82 = h24 * (t63 - t61);
+        const double t83 = h25 * (t64 - t62);
         flatness[0].t[k] = h7 * (t39 - flatness_0 * t43);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -2578,15 +2587,16 @@ static inline void krhpr_platform_spatial_a_three_encoders_tangent(
         ends[3].t[k] = t15;
         ends[4].t[k] = t16;
         ends[5].t[k] = t17;
-        linear[0].t[k] = t66;
-        linear[1].t[k] = t67;
-        linear[2].t[k] = t68;
-        linear[3].t[k] = t69;
-        linear[4].t[k] = -(u_x_0 * t12 + e_1_0 * t66 + (u_y_0 * t13 + e_1_1 * t68));
-        linear[5].t[k] = -(u_x_1 * t12 + e_1_0 * t67 + (u_y_1 * t13 + e_1_1 * t69));
-        mismatch[0].t[k] = h19 * (0.5 * (t70 + t70)) - h20 * (0.5 * (t71 + t71 + (t72 + t72)));
-        mismatch[1].t[k] = h21 * (0.5 * (t73 + t73 + t75)) - h22 * (0.5 * (t76 + t76 + (t77 + t77)));
-        mismatch[2].t[k] = h26 * (0.5 * (t75 + (t78 + t78))) - h27 * (0.5 * (t79 + t79 + (t80 + t80)));
+        spread[0].t[k] = h13 * (t66 + t66 - spread_0 * (d_2_1 * t69 + d_2_0 * t72));
+        linear[0].t[k] = t74;
+        linear[1].t[k] = t75;
+        linear[2].t[k] = t76;
+        linear[3].t[k] = t77;
+        linear[4].t[k] = -(u_x_0 * t12 + e_1_0 * t74 + (u_y_0 * t13 + e_1_1 * t76));
+        linear[5].t[k] = -(u_x_1 * t12 + e_1_0 * t75 + (u_y_1 * t13 + e_1_1 * t77));
+        mismatch[0].t[k] = t60 - h20 * (0.5 * t69);
+        mismatch[1].t[k] = h21 * (0.5 * (t78 + t78 + t80)) - h22 * (0.5 * t72);
+        mismatch[2].t[k] = h26 * (0.5 * (t80 + (t81 + t81))) - h27 * (0.5 * (t82 + t82 + (t83 + t83)));
     }
 }
 

@@ -1268,12 +1268,12 @@ static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (154 add, 207 multiply, 7 divide, 4 square root) */
+ * (3.24).  (164 add, 213 multiply, 8 divide, 3 square root) */
 static inline void krhpr_platform_spatial_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
-    krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double h1 = measured[0].v + start[0].v;
@@ -1322,18 +1322,18 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double h12 = points_10 * d_12_0;
-    const double h11 = 1.0 / d_12_2;
-    const double cos = h12 * h11;
-    const double h13 = e_1_1 - e_2_1;
-    const double h14 = points_10 * h13;
-    const double sin = h11 * h14;
-    const double r_2_0 = points_10 * points_10;
-    const double t3 = sqrt(r_2_0);
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double spread_0 = d_12_2 / t3;
+    const double h13 = points_10 * d_12_0;
+    const double h12 = 1.0 / d_12_2;
+    const double cos = h13 * h12;
+    const double h14 = e_1_1 - e_2_1;
+    const double h15 = points_10 * h14;
+    const double sin = h12 * h15;
     const double t4 = sqrt(d_12_2);
-    const double gap_0 = t3 - t4;
+    const double gap_0 = points_10 - t4;
     const double h5 = 1.0 / t2;
-    const double h15 = 1.0 / t3;
+    const double h11 = 1.0 / t3;
     const double h16 = 1.0 / t4;
     flatness[0].v = flatness_0;
     points[0].v = 0.0;
@@ -1355,6 +1355,7 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
     ends[1].v = e_1_1;
     ends[2].v = e_2_0;
     ends[3].v = e_2_1;
+    spread[0].v = spread_0;
     linear[0].v = cos;
     linear[1].v = sin;
     linear[2].v = -sin;
@@ -1413,12 +1414,15 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
         const double t52 = d_12_0 * t51;
         const double t53 = d_12_1 * (t10 - t7);
         const double t54 = t52 + t52 + (t53 + t53);
-        const double t55 = h11 * (h11 * t54);
-        const double t56 = h11 * (d_12_0 * t50 + points_10 * t51) - h12 * t55;
-        const double t57 = h14 * t55;
-        const double t58 = h11 * (h13 * t50 + points_10 * (t7 - t10));
-        const double t59 = t58 - t57;
-        const double t60 = points_10 * t50;
+        const double t55 = e_1_0 * t6;
+        const double t56 = e_1_1 * t7;
+        const double t57 = e_2_0 * t9;
+        const double t58 = e_2_1 * t10;
+        const double t59 = h12 * (h12 * t54);
+        const double t60 = h12 * (d_12_0 * t50 + points_10 * t51) - h13 * t59;
+        const double t61 = h15 * t59;
+        const double t62 = h12 * (h14 * t50 + points_10 * (t7 - t10));
+        const double t63 = t62 - t61;
         flatness[0].t[k] = h5 * (t32 - flatness_0 * t36);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -1439,23 +1443,24 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
         ends[1].t[k] = t7;
         ends[2].t[k] = t9;
         ends[3].t[k] = t10;
-        linear[0].t[k] = t56;
-        linear[1].t[k] = t59;
-        linear[2].t[k] = t57 - t58;
-        linear[3].t[k] = t56;
-        linear[4].t[k] = sin * t7 + e_1_1 * t59 - (cos * t6 + e_1_0 * t56);
-        linear[5].t[k] = -(cos * t7 + e_1_1 * t56 + (sin * t6 + e_1_0 * t59));
-        mismatch[0].t[k] = h15 * (0.5 * (t60 + t60)) - h16 * (0.5 * t54);
+        spread[0].t[k] = h11 * (t54 - spread_0 * (t55 + t55 + (t56 + t56) + (t57 + t57) + (t58 + t58)));
+        linear[0].t[k] = t60;
+        linear[1].t[k] = t63;
+        linear[2].t[k] = t61 - t62;
+        linear[3].t[k] = t60;
+        linear[4].t[k] = sin * t7 + e_1_1 * t63 - (cos * t6 + e_1_0 * t60);
+        linear[5].t[k] = -(cos * t7 + e_1_1 * t60 + (sin * t6 + e_1_0 * t63));
+        mismatch[0].t[k] = t50 - h16 * (0.5 * t54);
     }
 }
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
- * (3.30).  (210 add, 265 multiply, 11 divide, 8 square root) */
+ * (3.30).  (212 add, 268 multiply, 12 divide, 7 square root) */
 static inline void krhpr_platform_spatial_b_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
-    krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double h1 = measured[0].v + start[0].v;
@@ -1512,24 +1517,24 @@ static inline void krhpr_platform_spatial_b_three_encoders_tangent(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
-    const double h13 = points_10 * d_13_1 - r_3_0 * d_12_1;
-    const double h12 = 1.0 / area;
-    const double u_x_0 = h13 * h12;
-    const double h14 = e_1_1 - e_2_1;
-    const double h15 = r_3_1 * h14;
-    const double u_x_1 = h12 * h15;
-    const double h16 = r_3_0 * d_12_0 - points_10 * d_13_0;
-    const double u_y_0 = h12 * h16;
-    const double h17 = r_3_1 * d_12_0;
-    const double u_y_1 = h12 * h17;
-    const double r_2_0 = points_10 * points_10;
     const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t6 = sqrt(r_2_0);
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double t6 = d_2_0 * d_2_1;
+    const double spread_0 = area * area / t6;
+    const double h14 = points_10 * d_13_1 - r_3_0 * d_12_1;
+    const double h13 = 1.0 / area;
+    const double u_x_0 = h14 * h13;
+    const double h15 = e_1_1 - e_2_1;
+    const double h16 = r_3_1 * h15;
+    const double u_x_1 = h13 * h16;
+    const double h17 = r_3_0 * d_12_0 - points_10 * d_13_0;
+    const double u_y_0 = h13 * h17;
+    const double h18 = r_3_1 * d_12_0;
+    const double u_y_1 = h13 * h18;
     const double t7 = sqrt(d_2_0);
-    const double gap_0 = t6 - t7;
+    const double gap_0 = points_10 - t7;
     const double t8 = r_3_1 * r_3_1;
     const double r_2_1 = r_3_0 * r_3_0 + t8;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t9 = sqrt(r_2_1);
     const double t10 = sqrt(d_2_1);
     const double gap_1 = t9 - t10;
@@ -1542,7 +1547,7 @@ static inline void krhpr_platform_spatial_b_three_encoders_tangent(
     const double t12 = sqrt(d_2_2);
     const double gap_2 = t11 - t12;
     const double h6 = 1.0 / t2;
-    const double h18 = 1.0 / t6;
+    const double h12 = 1.0 / t6;
     const double h19 = 1.0 / t7;
     const double h20 = 1.0 / t9;
     const double h21 = 1.0 / t10;
@@ -1570,6 +1575,7 @@ static inline void krhpr_platform_spatial_b_three_encoders_tangent(
     ends[3].v = e_2_1;
     ends[4].v = e_3_0;
     ends[5].v = e_3_1;
+    spread[0].v = spread_0;
     linear[0].v = u_x_0;
     linear[1].v = u_x_1;
     linear[2].v = u_y_0;
@@ -1636,22 +1642,25 @@ static inline void krhpr_platform_spatial_b_three_encoders_tangent(
         const double t66 = t18 - t15;
         const double t67 = t20 - t14;
         const double t68 = t21 - t15;
-        const double t69 = h12 * (h12 * (d_13_1 * t65 + d_12_0 * t68 - (d_13_0 * t66 + d_12_1 * t67)));
-        const double t70 = h12 * (d_13_1 * t64 + points_10 * t68 - (d_12_1 * t59 + r_3_0 * t66)) - h13 * t69;
-        const double t71 = h12 * (h14 * t60 + r_3_1 * (t15 - t18)) - h15 * t69;
-        const double t72 = h12 * (d_12_0 * t59 + r_3_0 * t65 - (d_13_0 * t64 + points_10 * t67)) - h16 * t69;
-        const double t73 = h12 * (d_12_0 * t60 + r_3_1 * t65) - h17 * t69;
-        const double t74 = points_10 * t64;
-        const double t75 = d_12_0 * t65;
-        const double t76 = d_12_1 * t66;
-        const double t77 = r_3_0 * t59;
-        const double t78 = r_3_1 * t60;
-        const double t79 = t78 + t78;
-        const double t80 = d_13_0 * t67;
-        const double t81 = d_13_1 * t68;
-        const double t82 = h22 * (t59 - t61 - t62 - t63);
-        const double t83 = h23 * (t67 - t65);
-        const double t84 = h24 * (t68 - t66);
+        const double t69 = d_13_1 * t65 + d_12_0 * t68 - (d_13_0 * t66 + d_12_1 * t67);
+        const double t70 = area * t69;
+        const double t71 = d_12_0 * t65;
+        const double t72 = d_12_1 * t66;
+        const double t73 = t71 + t71 + (t72 + t72);
+        const double t74 = d_13_0 * t67;
+        const double t75 = d_13_1 * t68;
+        const double t76 = t74 + t74 + (t75 + t75);
+        const double t77 = h13 * (h13 * t69);
+        const double t78 = h13 * (d_13_1 * t64 + points_10 * t68 - (d_12_1 * t59 + r_3_0 * t66)) - h14 * t77;
+        const double t79 = h13 * (h15 * t60 + r_3_1 * (t15 - t18)) - h16 * t77;
+        const double t80 = h13 * (d_12_0 * t59 + r_3_0 * t65 - (d_13_0 * t64 + points_10 * t67)) - h17 * t77;
+        const double t81 = h13 * (d_12_0 * t60 + r_3_1 * t65) - h18 * t77;
+        const double t82 = r_3_0 * t59;
+        const double t83 = r_3_1 * t60;
+        const double t84 = t83 + t83;
+        const double t85 = h22 * (t59 - t61 - t62 - t63);
+        const double t86 = h23 * (t67 - t65);
+        const double t87 = h24 * (t68 - t66);
         flatness[0].t[k] = h6 * (t43 - flatness_0 * t47);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -1674,15 +1683,16 @@ static inline void krhpr_platform_spatial_b_three_encoders_tangent(
         ends[3].t[k] = t18;
         ends[4].t[k] = t20;
         ends[5].t[k] = t21;
-        linear[0].t[k] = t70;
-        linear[1].t[k] = t71;
-        linear[2].t[k] = t72;
-        linear[3].t[k] = t73;
-        linear[4].t[k] = -(u_x_0 * t14 + e_1_0 * t70 + (u_y_0 * t15 + e_1_1 * t72));
-        linear[5].t[k] = -(u_x_1 * t14 + e_1_0 * t71 + (u_y_1 * t15 + e_1_1 * t73));
-        mismatch[0].t[k] = h18 * (0.5 * (t74 + t74)) - h19 * (0.5 * (t75 + t75 + (t76 + t76)));
-        mismatch[1].t[k] = h20 * (0.5 * (t77 + t77 + t79)) - h21 * (0.5 * (t80 + t80 + (t81 + t81)));
-        mismatch[2].t[k] = h25 * (0.5 * (t79 + (t82 + t82))) - h26 * (0.5 * (t83 + t83 + (t84 + t84)));
+        spread[0].t[k] = h12 * (t70 + t70 - spread_0 * (d_2_1 * t73 + d_2_0 * t76));
+        linear[0].t[k] = t78;
+        linear[1].t[k] = t79;
+        linear[2].t[k] = t80;
+        linear[3].t[k] = t81;
+        linear[4].t[k] = -(u_x_0 * t14 + e_1_0 * t78 + (u_y_0 * t15 + e_1_1 * t80));
+        linear[5].t[k] = -(u_x_1 * t14 + e_1_0 * t79 + (u_y_1 * t15 + e_1_1 * t81));
+        mismatch[0].t[k] = t64 - h19 * (0.5 * t73);
+        mismatch[1].t[k] = h20 * (0.5 * (t82 + t82 + t84)) - h21 * (0.5 * t76);
+        mismatch[2].t[k] = h25 * (0.5 * (t84 + (t85 + t85))) - h26 * (0.5 * (t86 + t86 + (t87 + t87)));
     }
 }
 

@@ -1222,11 +1222,12 @@ static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (138 add, 195 multiply, 7 divide, 4 square root) */
+ * (3.24).  (148 add, 201 multiply, 8 divide, 3 square root) */
 static inline void krhpr_platform_spatial_c_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
+    krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double e_1_0 = measured[0].v * slide[0].v;
@@ -1273,18 +1274,18 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double h10 = points_10 * d_12_0;
-    const double h9 = 1.0 / d_12_2;
-    const double cos = h10 * h9;
-    const double h11 = e_1_1 - e_2_1;
-    const double h12 = points_10 * h11;
-    const double sin = h9 * h12;
-    const double r_2_0 = points_10 * points_10;
-    const double t3 = sqrt(r_2_0);
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double spread_0 = d_12_2 / t3;
+    const double h11 = points_10 * d_12_0;
+    const double h10 = 1.0 / d_12_2;
+    const double cos = h11 * h10;
+    const double h12 = e_1_1 - e_2_1;
+    const double h13 = points_10 * h12;
+    const double sin = h10 * h13;
     const double t4 = sqrt(d_12_2);
-    const double gap_0 = t3 - t4;
+    const double gap_0 = points_10 - t4;
     const double h3 = 1.0 / t2;
-    const double h13 = 1.0 / t3;
+    const double h9 = 1.0 / t3;
     const double h14 = 1.0 / t4;
     flatness[0].v = flatness_0;
     points[0].v = 0.0;
@@ -1306,6 +1307,7 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
     ends[1].v = e_1_1;
     ends[2].v = e_2_0;
     ends[3].v = e_2_1;
+    spread[0].v = spread_0;
     linear[0].v = cos;
     linear[1].v = sin;
     linear[2].v = -sin;
@@ -1362,12 +1364,15 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
         const double t50 = d_12_0 * t49;
         const double t51 = d_12_1 * (t8 - t6);
         const double t52 = t50 + t50 + (t51 + t51);
-        const double t53 = h9 * (h9 * t52);
-        const double t54 = h9 * (d_12_0 * t48 + points_10 * t49) - h10 * t53;
-        const double t55 = h12 * t53;
-        const double t56 = h9 * (h11 * t48 + points_10 * (t6 - t8));
-        const double t57 = t56 - t55;
-        const double t58 = points_10 * t48;
+        const double t53 = e_1_0 * t5;
+        const double t54 = e_1_1 * t6;
+        const double t55 = e_2_0 * t7;
+        const double t56 = e_2_1 * t8;
+        const double t57 = h10 * (h10 * t52);
+        const double t58 = h10 * (d_12_0 * t48 + points_10 * t49) - h11 * t57;
+        const double t59 = h13 * t57;
+        const double t60 = h10 * (h12 * t48 + points_10 * (t6 - t8));
+        const double t61 = t60 - t59;
         flatness[0].t[k] = h3 * (t30 - flatness_0 * t34);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -1388,22 +1393,24 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
         ends[1].t[k] = t6;
         ends[2].t[k] = t7;
         ends[3].t[k] = t8;
-        linear[0].t[k] = t54;
-        linear[1].t[k] = t57;
-        linear[2].t[k] = t55 - t56;
-        linear[3].t[k] = t54;
-        linear[4].t[k] = sin * t6 + e_1_1 * t57 - (cos * t5 + e_1_0 * t54);
-        linear[5].t[k] = -(cos * t6 + e_1_1 * t54 + (sin * t5 + e_1_0 * t57));
-        mismatch[0].t[k] = h13 * (0.5 * (t58 + t58)) - h14 * (0.5 * t52);
+        spread[0].t[k] = h9 * (t52 - spread_0 * (t53 + t53 + (t54 + t54) + (t55 + t55) + (t56 + t56)));
+        linear[0].t[k] = t58;
+        linear[1].t[k] = t61;
+        linear[2].t[k] = t59 - t60;
+        linear[3].t[k] = t58;
+        linear[4].t[k] = sin * t6 + e_1_1 * t61 - (cos * t5 + e_1_0 * t58);
+        linear[5].t[k] = -(cos * t6 + e_1_1 * t58 + (sin * t5 + e_1_0 * t61));
+        mismatch[0].t[k] = t48 - h14 * (0.5 * t52);
     }
 }
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
- * (3.30).  (186 add, 247 multiply, 11 divide, 8 square root) */
+ * (3.30).  (188 add, 250 multiply, 12 divide, 7 square root) */
 static inline void krhpr_platform_spatial_c_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes,
-    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
+    krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
+    krhpr_dual *KRHPR_RESTRICT mismatch)
 {
     (void)(tolerance);
     const double e_1_0 = measured[0].v * slide[0].v;
@@ -1457,24 +1464,24 @@ static inline void krhpr_platform_spatial_c_three_encoders_tangent(
     const double d_13_0 = e_3_0 - e_1_0;
     const double d_13_1 = e_3_1 - e_1_1;
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
-    const double h10 = points_10 * d_13_1 - r_3_0 * d_12_1;
-    const double h9 = 1.0 / area;
-    const double u_x_0 = h10 * h9;
-    const double h11 = e_1_1 - e_2_1;
-    const double h12 = r_3_1 * h11;
-    const double u_x_1 = h9 * h12;
-    const double h13 = r_3_0 * d_12_0 - points_10 * d_13_0;
-    const double u_y_0 = h9 * h13;
-    const double h14 = r_3_1 * d_12_0;
-    const double u_y_1 = h9 * h14;
-    const double r_2_0 = points_10 * points_10;
     const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t6 = sqrt(r_2_0);
+    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
+    const double t6 = d_2_0 * d_2_1;
+    const double spread_0 = area * area / t6;
+    const double h11 = points_10 * d_13_1 - r_3_0 * d_12_1;
+    const double h10 = 1.0 / area;
+    const double u_x_0 = h11 * h10;
+    const double h12 = e_1_1 - e_2_1;
+    const double h13 = r_3_1 * h12;
+    const double u_x_1 = h10 * h13;
+    const double h14 = r_3_0 * d_12_0 - points_10 * d_13_0;
+    const double u_y_0 = h10 * h14;
+    const double h15 = r_3_1 * d_12_0;
+    const double u_y_1 = h10 * h15;
     const double t7 = sqrt(d_2_0);
-    const double gap_0 = t6 - t7;
+    const double gap_0 = points_10 - t7;
     const double t8 = r_3_1 * r_3_1;
     const double r_2_1 = r_3_0 * r_3_0 + t8;
-    const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
     const double t9 = sqrt(r_2_1);
     const double t10 = sqrt(d_2_1);
     const double gap_1 = t9 - t10;
@@ -1487,7 +1494,7 @@ static inline void krhpr_platform_spatial_c_three_encoders_tangent(
     const double t12 = sqrt(d_2_2);
     const double gap_2 = t11 - t12;
     const double h3 = 1.0 / t2;
-    const double h15 = 1.0 / t6;
+    const double h9 = 1.0 / t6;
     const double h16 = 1.0 / t7;
     const double h17 = 1.0 / t9;
     const double h18 = 1.0 / t10;
@@ -1515,6 +1522,7 @@ static inline void krhpr_platform_spatial_c_three_encoders_tangent(
     ends[3].v = e_2_1;
     ends[4].v = e_3_0;
     ends[5].v = e_3_1;
+    spread[0].v = spread_0;
     linear[0].v = u_x_0;
     linear[1].v = u_x_1;
     linear[2].v = u_y_0;
@@ -1578,22 +1586,25 @@ static inline void krhpr_platform_spatial_c_three_encoders_tangent(
         const double t63 = t16 - t14;
         const double t64 = t17 - t13;
         const double t65 = t18 - t14;
-        const double t66 = h9 * (h9 * (d_13_1 * t62 + d_12_0 * t65 - (d_13_0 * t63 + d_12_1 * t64)));
-        const double t67 = h9 * (d_13_1 * t61 + points_10 * t65 - (d_12_1 * t56 + r_3_0 * t63)) - h10 * t66;
-        const double t68 = h9 * (h11 * t57 + r_3_1 * (t14 - t16)) - h12 * t66;
-        const double t69 = h9 * (d_12_0 * t56 + r_3_0 * t62 - (d_13_0 * t61 + points_10 * t64)) - h13 * t66;
-        const double t70 = h9 * (d_12_0 * t57 + r_3_1 * t62) - h14 * t66;
-        const double t71 = points_10 * t61;
-        const double t72 = d_12_0 * t62;
-        const double t73 = d_12_1 * t63;
-        const double t74 = r_3_0 * t56;
-        const double t75 = r_3_1 * t57;
-        const double t76 = t75 + t75;
-        const double t77 = d_13_0 * t64;
-        const double t78 = d_13_1 * t65;
-        const double t79 = h19 * (t56 - t58 - t59 - t60);
-        const double t80 = h20 * (t64 - t62);
-        const double t81 = h21 * (t65 - t63);
+        const double t66 = d_13_1 * t62 + d_12_0 * t65 - (d_13_0 * t63 + d_12_1 * t64);
+        const double t67 = area * t66;
+        const double t68 = d_12_0 * t62;
+        const double t69 = d_12_1 * t63;
+        const double t70 = t68 + t68 + (t69 + t69);
+        const double t71 = d_13_0 * t64;
+        const double t72 = d_13_1 * t65;
+        const double t73 = t71 + t71 + (t72 + t72);
+        const double t74 = h10 * (h10 * t66);
+        const double t75 = h10 * (d_13_1 * t61 + points_10 * t65 - (d_12_1 * t56 + r_3_0 * t63)) - h11 * t74;
+        const double t76 = h10 * (h12 * t57 + r_3_1 * (t14 - t16)) - h13 * t74;
+        const double t77 = h10 * (d_12_0 * t56 + r_3_0 * t62 - (d_13_0 * t61 + points_10 * t64)) - h14 * t74;
+        const double t78 = h10 * (d_12_0 * t57 + r_3_1 * t62) - h15 * t74;
+        const double t79 = r_3_0 * t56;
+        const double t80 = r_3_1 * t57;
+        const double t81 = t80 + t80;
+        const double t82 = h19 * (t56 - t58 - t59 - t60);
+        const double t83 = h20 * (t64 - t62);
+        const double t84 = h21 * (t65 - t63);
         flatness[0].t[k] = h3 * (t40 - flatness_0 * t44);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -1616,15 +1627,16 @@ static inline void krhpr_platform_spatial_c_three_encoders_tangent(
         ends[3].t[k] = t16;
         ends[4].t[k] = t17;
         ends[5].t[k] = t18;
-        linear[0].t[k] = t67;
-        linear[1].t[k] = t68;
-        linear[2].t[k] = t69;
-        linear[3].t[k] = t70;
-        linear[4].t[k] = -(u_x_0 * t13 + e_1_0 * t67 + (u_y_0 * t14 + e_1_1 * t69));
-        linear[5].t[k] = -(u_x_1 * t13 + e_1_0 * t68 + (u_y_1 * t14 + e_1_1 * t70));
-        mismatch[0].t[k] = h15 * (0.5 * (t71 + t71)) - h16 * (0.5 * (t72 + t72 + (t73 + t73)));
-        mismatch[1].t[k] = h17 * (0.5 * (t74 + t74 + t76)) - h18 * (0.5 * (t77 + t77 + (t78 + t78)));
-        mismatch[2].t[k] = h22 * (0.5 * (t76 + (t79 + t79))) - h23 * (0.5 * (t80 + t80 + (t81 + t81)));
+        spread[0].t[k] = h9 * (t67 + t67 - spread_0 * (d_2_1 * t70 + d_2_0 * t73));
+        linear[0].t[k] = t75;
+        linear[1].t[k] = t76;
+        linear[2].t[k] = t77;
+        linear[3].t[k] = t78;
+        linear[4].t[k] = -(u_x_0 * t13 + e_1_0 * t75 + (u_y_0 * t14 + e_1_1 * t77));
+        linear[5].t[k] = -(u_x_1 * t13 + e_1_0 * t76 + (u_y_1 * t14 + e_1_1 * t78));
+        mismatch[0].t[k] = t61 - h16 * (0.5 * t70);
+        mismatch[1].t[k] = h17 * (0.5 * (t79 + t79 + t81)) - h18 * (0.5 * t73);
+        mismatch[2].t[k] = h22 * (0.5 * (t81 + (t82 + t82))) - h23 * (0.5 * (t83 + t83 + (t84 + t84)));
     }
 }
 

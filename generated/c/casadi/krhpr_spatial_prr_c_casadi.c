@@ -1266,12 +1266,13 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual points[6];
     krhpr_dual axes[9];
     krhpr_dual ends[4];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders_tangent(
-        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch);
+        s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
     krhpr_platform_spatial_c_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 
@@ -1320,12 +1321,13 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual points[6];
     krhpr_dual axes[9];
     krhpr_dual ends[6];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders_tangent(
-        s, measured, slide, tolerance, flatness, points, axes, ends, linear, mismatch);
+        s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
     krhpr_platform_spatial_c_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 

@@ -1209,6 +1209,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual points[6];
     krhpr_dual axes[9];
     krhpr_dual ends[4];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
@@ -1216,7 +1217,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
         krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders_tangent(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
     krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 
@@ -1268,6 +1269,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual points[6];
     krhpr_dual axes[9];
     krhpr_dual ends[6];
+    krhpr_dual spread[1];
     krhpr_dual linear[6];
     krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
@@ -1275,7 +1277,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
         krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders_tangent(
-        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, linear, mismatch);
+        s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
     krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, p, Q, raw);
 }
 

@@ -9,7 +9,8 @@ from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
-from krhpr.validation.numbers import Ball, ball_precision
+from krhpr.validation.linear import dot, solve
+from krhpr.validation.numbers import Ball, ball_precision, sqrt
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.subject import Outputs, Subject
 
@@ -66,6 +67,126 @@ def encoders(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+def least_squares(subject: Subject, check: Check, count: int) -> Measured:
+    """A Gauss-Newton step from anywhere solves the normal equations of the residuals by their definition."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    many = [
+        kernel.name[-1] for kernel in subject.platform.kernels() if kernel.name.startswith("gauss_newton")
+    ]
+    with ball_precision():
+        for _ in range(count):
+            here = configuration_in_balls(subject, source)
+            ties = here.subject.ties(here.geometry, BALLS)
+            for encoders_ in map(int, many):
+                points, ends = _vectors(source, 3), _vectors(source, encoders_)
+                weights = [Ball(source.nonzero(0.5, 2)) for _ in range(3)]
+                state = [Ball(source.nonzero()) for _ in range(6)]
+
+                def residual(
+                    x: list[Any],
+                    n: int = encoders_,
+                    r: Any = points,
+                    d: Any = ends,
+                    w: Any = weights,
+                    ties: Any = ties,
+                ) -> list[Any]:
+                    turn, p = [[x[0], x[2]], [x[1], x[3]]], x[4:]
+                    rows = [w[0] * (p[k] + dot(turn[k], d[i]) - r[i][k]) for i in range(n) for k in range(2)]
+                    if n == 2:
+                        b, length = ties["anchor"][4:6], ties["length"][2]
+                        a = [p[k] + dot(turn[k], b) - r[2][k] for k in range(2)]
+                        rows.append(w[1] * (dot(a, a) - length * length) / (Ball(2) * length))
+                    x_axis, y_axis = x[0:2], x[2:4]
+                    one = Ball(1)
+                    rows += [
+                        w[2] * y
+                        for y in (dot(x_axis, x_axis) - one, dot(y_axis, y_axis) - one, dot(x_axis, y_axis))
+                    ]
+                    return rows
+
+                # residuals are of second degree: differences over two are derivatives
+                columns = []
+                for j in range(6):
+                    ahead, behind = ([*state] for _ in range(2))
+                    ahead[j], behind[j] = ahead[j] + Ball(1), behind[j] - Ball(1)
+                    half = Ball(Fraction(1, 2))
+                    columns.append(
+                        [(a - b) * half for a, b in zip(residual(ahead), residual(behind), strict=True)]
+                    )
+                inputs = {
+                    **ties,
+                    "state": state,
+                    "weights": weights,
+                    "points": [x for row in points for x in row],
+                    "ends": [x for row in ends for x in row],
+                }
+                name = f"gauss_newton_{encoders_}"
+                result = subject.kernel("platform", name, inputs, here.geometry, 0, BALLS)
+                step = [a - b for a, b in zip(result["state_next"], state, strict=True)]
+                value = residual(state)
+                moved = [
+                    f + sum((columns[j][i] * step[j] for j in range(6)), Ball(0)) for i, f in enumerate(value)
+                ]
+                found.equal(
+                    [dot(column, moved) for column in columns], [Ball(0)] * 6, f"{name}: normal equations"
+                )
+                size = sum((dot(end, end) for end in ends), Ball(0))
+                change = dot(step[:4], step[:4]) + dot(step[4:], step[4:]) / size
+                found.equal(result["change"], [change], f"{name}: change")
+            found.samples += 1
+    return found
+
+
+def _vectors(source: Draw, count: int) -> list[list[Any]]:
+    return [[Ball(source.nonzero()), Ball(source.nonzero())] for _ in range(count)]
+
+
+def kantorovich(subject: Subject, check: Check, count: int) -> Measured:
+    """2 b K n at a pose nearby, by its definition."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for _ in range(count):
+            here = configuration_in_balls(subject, source)
+            ties = here.subject.ties(here.geometry, BALLS)
+            b = [ties["anchor"][2 * i : 2 * i + 2] for i in range(3)]
+            d = [[x - y for x, y in zip(v, b[0], strict=True)] for v in b]
+            start, _ = _beside(here)
+            _, x, y, c, s = start["start"]
+            found.equal(start["centre"], [c, s], "centre")
+            points = [start["points"][2 * i : 2 * i + 2] for i in range(3)]
+            turned = [[c * v[0] - s * v[1], s * v[0] + c * v[1]] for v in d]
+            arms = [[x - r[0], y - r[1]] for r in points]
+            links = [
+                [o + t for o, t in zip(arm, turn, strict=True)]
+                for arm, turn in zip(arms, turned, strict=True)
+            ]
+            size2 = (dot(d[1], d[1]) + dot(d[2], d[2])) / Ball(2)
+            size = sqrt(size2)
+            slope = [
+                [(a[1] * t[0] - a[0] * t[1]) / size, a[0], a[1]] for a, t in zip(links, turned, strict=True)
+            ]
+            half = Ball(Fraction(1, 2))
+            F = [
+                [(dot(a, a) - length * length) * half]
+                for a, length in zip(links, ties["length"], strict=True)
+            ]
+            unit = [[Ball(int(i == j)) for j in range(3)] for i in range(3)]
+            inverse = solve(slope, unit)
+            step = [row[0] for row in solve(slope, F)]
+            n = sqrt(dot(step, step))
+            squares = sum((entry * entry for row in inverse for entry in row), Ball(0))
+            bend = Ball(0)
+            for arm, v in zip(arms, d, strict=True):
+                reach = sqrt(dot(v, v)) if v is not d[0] else Ball(0)
+                first = (sqrt(dot(arm, arm)) + Ball(2) * n) * reach / size2
+                bend = bend + first * first + Ball(2) * reach * reach / size2 + Ball(2)
+            found.equal(start["kantorovich"], [Ball(2) * sqrt(squares * bend) * n], "kantorovich")
+            found.samples += 1
+    return found
+
+
 def _beside(here: Configuration) -> tuple[Outputs, list[Any]]:
     """Where steps start with O' a known way beside the pose, along x_1, and the state of the pose itself."""
     Q, p = here.values["Q"], here.values["p"]
@@ -86,4 +207,9 @@ def _platform(here: Configuration, kernel: str, **inputs: Any) -> Outputs:
     return here.subject.kernel("platform", kernel, given, here.geometry, 0, BALLS)
 
 
-RUNNERS: dict[str, Runner] = {"Newton steps of the platform": newton, "encoders": encoders}
+RUNNERS: dict[str, Runner] = {
+    "Newton steps of the platform": newton,
+    "Newton and Kantorovich": kantorovich,
+    "encoders": encoders,
+    "least squares": least_squares,
+}

@@ -293,6 +293,23 @@ ROBOT_PROOFS = (
         needs="platform.newton_step",
     ),
     Proof(
+        "Newton and Kantorovich",
+        "forward_newton",
+        BALL,
+        FEW,
+        "The certificate of convergence is 2 b K n by its definition, the slope inverted by elimination.",
+        ("platform.newton_start",),
+        needs="platform.newton_start",
+    ),
+    Proof(
+        "least squares",
+        "forward_gauss_newton_3",
+        BALL,
+        FEW,
+        "A Gauss-Newton step from anywhere solves the normal equations of the residuals by their definition.",
+        ("platform.gauss_newton_2", "platform.gauss_newton_3"),
+    ),
+    Proof(
         "encoders",
         "forward_encoders_3",
         BALL,
