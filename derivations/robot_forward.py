@@ -85,7 +85,7 @@ class ForwardFunctions(FunctionsOf):
                 self._on_leg("subleg", "octic"),
                 Call(Stage.LEG, "subleg", "at_root", {}, {}, each=each),
             ),
-            (Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.UNREACHABLE_LEG_1, spoils=("s", "volume")),),
+            (Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.UNREACHABLE_LEG_1),),
         )
 
     # -- forward kinematics ---------------------------------------------------------------------------------

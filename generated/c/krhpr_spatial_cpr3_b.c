@@ -295,6 +295,8 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_all(
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
             krhpr_fill_nan(s + 24 * i, 24);
             krhpr_fill_nan(volume + 8 * i, 8);
+            krhpr_fill_nan(count + 1 * i, 1);
+            krhpr_fill_nan(doubtful + 1 * i, 1);
         }
     }
     return status;

@@ -929,7 +929,7 @@ def subleg_forward_all(theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, sta
                 "doubtful": doubtful,
             },
             (
-                rt.Guard(found[0], True, 1.0, Status.UNREACHABLE_LEG_1, True, ("s", "volume", )),
+                rt.Guard(found[0], True, 1.0, Status.UNREACHABLE_LEG_1, True, ("s", "volume", "count", "doubtful", )),
             ),
         )
     answer = SublegForwardAll(*results[:-1])

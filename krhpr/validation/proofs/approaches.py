@@ -9,7 +9,7 @@ from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
-from krhpr.validation.linear import dot, solve
+from krhpr.validation.linear import cross, dot, minus, solve
 from krhpr.validation.numbers import Ball, ball_precision, sqrt
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.subject import Outputs, Subject
@@ -65,6 +65,53 @@ def encoders(subject: Subject, check: Check, count: int) -> Measured:
                 found.equal(result["mismatch"][:size], zero, f"{function.name}: mismatch")
             found.samples += 1
     return found
+
+
+def orthonormalised(subject: Subject, check: Check, count: int) -> Measured:
+    """From any U: the orientation as it is, and made a rotation by (3.34) to (3.36) in the base frame."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for _ in range(count):
+            here = configuration_in_balls(subject, source)
+            d = 2 if subject.planar else 3
+            s = here.values["s"]
+            state = [Ball(source.nonzero()) for _ in range(6)]
+            axes = [[Ball(1), Ball(0)], [Ball(0), Ball(1)]]
+            inputs: dict[str, Any] = {"state": state, "s": s}
+            if not subject.planar:
+                inputs["axes"] = _axes_of(here)
+                axes = [[inputs["axes"][3 * i + j] for i in range(3)] for j in range(3)]
+            result = subject.kernel("platform", "encoder_pose", inputs, here.geometry, 0, BALLS)
+            columns = [
+                [sum((state[2 * j + k] * axes[k][i] for k in range(2)), Ball(0)) for i in range(d)]
+                for j in range(2)
+            ]
+            if not subject.planar:
+                columns.append(axes[2])
+            found.equal(result["raw"], [column[i] for i in range(d) for column in columns], "raw")
+            p = [s[i] + sum((state[4 + k] * axes[k][i] for k in range(2)), Ball(0)) for i in range(d)]
+            found.equal(result["p"], p, "p")
+            q_x = [x / sqrt(dot(columns[0], columns[0])) for x in columns[0]]
+            if subject.planar:
+                phi = result["phi"][0]
+                found.equal([phi.cos(), phi.sin()], q_x, "phi")
+            else:
+                q_y = cross(axes[2], q_x)
+                wanted = [column[i] for i in range(3) for column in (q_x, q_y, axes[2])]
+                found.equal(result["Q"], wanted, "Q")
+            found.samples += 1
+    return found
+
+
+def _axes_of(here: Configuration) -> list[Any]:
+    """The intermediate frame by (3.1) to (3.3), z_1 along q_z."""
+    s = [here.values["s"][3 * i : 3 * i + 3] for i in range(3)]
+    x = minus(s[1], s[0])
+    x = [value / sqrt(dot(x, x)) for value in x]
+    z = [here.values["Q"][3 * i + 2] for i in range(3)]
+    y = cross(z, x)
+    return [column[i] for i in range(3) for column in (x, y, z)]
 
 
 def least_squares(subject: Subject, check: Check, count: int) -> Measured:
@@ -211,5 +258,6 @@ RUNNERS: dict[str, Runner] = {
     "Newton steps of the platform": newton,
     "Newton and Kantorovich": kantorovich,
     "encoders": encoders,
+    "orthonormalised": orthonormalised,
     "least squares": least_squares,
 }

@@ -302,6 +302,14 @@ ROBOT_PROOFS = (
         needs="platform.newton_start",
     ),
     Proof(
+        "orthonormalised",
+        "forward_encoders_3",
+        BALL,
+        FEW,
+        "From any state the orientation is given as it is, and made a rotation by (3.34) to (3.36).",
+        ("platform.encoder_pose",),
+    ),
+    Proof(
         "least squares",
         "forward_gauss_newton_3",
         BALL,
