@@ -118,18 +118,11 @@ def draw_geometry(
 
 
 def draw(subject: Subject, seed: int, count: int, *, spread: float = 0.05) -> Batch:
-    """So many configurations of one geometry near the default sizes.
-
-    One of POOL batches, which checks share: to draw them takes longer than most checks do.
-    """
-    return _drawn(subject, seed % POOL, count, spread)
+    """So many configurations of one geometry near the default sizes; checks with one seed share them."""
+    return _drawn(subject, seed, count, spread)
 
 
-POOL = 48
-"""Batches of one robot and one size."""
-
-
-@lru_cache(maxsize=3 * POOL)
+@lru_cache(maxsize=64)
 def _drawn(subject: Subject, seed: int, count: int, spread: float) -> Batch:
     rng = np.random.default_rng(seed)
     for _ in range(20):
