@@ -16,7 +16,7 @@ from benchmarks.build import BuildError, Built, Tools, build_contender, build_li
 from benchmarks.contender import Contender, Manifest, Missing
 from benchmarks.measure import Bench, Row
 from benchmarks.ours import c_contenders
-from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, SPECIAL, generate
+from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
 
@@ -42,8 +42,7 @@ def gather(keys: Sequence[str], out: Path, peer_python: Path) -> tuple[Manifest,
     """All peers' contenders for all workloads."""
     everything, missing = Manifest(), []
     for peer in PEERS:
-        theirs = [key for key in keys if peer.name in (WORKLOADS[key].peers or [peer.name])]
-        theirs = [key for key in theirs if WORKLOADS[key].peers or peer.name not in SPECIAL]
+        theirs = [key for key in keys if peer.takes_part(WORKLOADS[key])]
         if not theirs:
             continue
         print(f"generating: {peer.name}", file=sys.stderr)

@@ -14,6 +14,7 @@ from krhpr.backend import Backend, BackendName, make_backend
 from krhpr.casadi_functions import CasadiFunctions
 from krhpr.errors import (
     Ambiguous,
+    InBatch,
     Inconsistent,
     InvalidInput,
     NoConvergence,
@@ -293,8 +294,6 @@ class Calls:
         index = _first(status != 0)
         code = Status(int(status[index]))
         where = f"{self.identifier}.{signature.name}{_at(index)}"
-        if code is Status.INVALID_INPUT:
-            raise InvalidInput(f"{where}: an input is NaN or infinite", index)
         if code in (Status.UNREACHABLE_LEG_1, Status.UNREACHABLE_LEG_2, Status.UNREACHABLE_LEG_3):
             leg, distance = int(code), self._distance(signature, arrays, status, index, int(code))
             by = "" if np.isnan(distance) else f"; it is {distance:.6g} out of reach"
@@ -305,29 +304,9 @@ class Calls:
                 distance,
                 index,
             )
-        if code is Status.NO_CONVERGENCE:
-            raise NoConvergence(
-                f"{where}: Newton's iteration did not converge; start nearer to the solution (near=...)",
-                index,
-            )
-        if code is Status.NO_ASSEMBLY:
-            raise Unassembled(
-                f"{where}: no platform of this geometry fits the three end points; check the joints and the "
-                "assembly modes of the sub-legs",
-                index,
-            )
-        if code is Status.AMBIGUOUS:
-            raise Ambiguous(
-                f"{where}: several solutions cannot be told apart; give a smaller box=..., or look at all of "
-                "them with forward_all",
-                index,
-            )
-        if code is Status.INCONSISTENT:
-            raise Inconsistent(
-                f"{where}: the measured redundant coordinates contradict the end points by more than the "
-                "tolerance; check the encoders' zeros and the assembly modes, or raise tolerance=...",
-                index,
-            )
+        if code in _WITHOUT_ANSWER:
+            error, advice = _WITHOUT_ANSWER[code]
+            raise error(f"{where}: {advice}", index)
         raise Singular(f"{where}: singular configuration, {_MEANING[code]}", int(code), index)
 
     def _distance(
@@ -412,6 +391,30 @@ class Calls:
         return np.broadcast_to(array, (3,)) if array.ndim == 0 else array
 
 
+_WITHOUT_ANSWER: Mapping[Status, tuple[type[InBatch], str]] = {
+    Status.INVALID_INPUT: (InvalidInput, "an input is NaN or infinite"),
+    Status.NO_CONVERGENCE: (
+        NoConvergence,
+        "Newton's iteration did not converge; start nearer to the solution (near=...)",
+    ),
+    Status.NO_ASSEMBLY: (
+        Unassembled,
+        "no platform of this geometry fits the three end points; check the joints and the assembly modes of "
+        "the sub-legs",
+    ),
+    Status.AMBIGUOUS: (
+        Ambiguous,
+        "several solutions cannot be told apart; give a smaller box=..., or look at all of them with "
+        "forward_all",
+    ),
+    Status.INCONSISTENT: (
+        Inconsistent,
+        "the measured redundant coordinates contradict the end points by more than the tolerance; check the "
+        "encoders' zeros and the assembly modes, or raise tolerance=...",
+    ),
+}
+"""The error of each status that is neither a leg out of reach nor a singularity, and what to do."""
+
 _MEANING = {
     Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
     Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
@@ -420,7 +423,6 @@ _MEANING = {
         "det J_a = 0: the lines in the platform's plane meet in a point or are parallel"
     ),
     Status.SINGULAR_NORMAL: "det J_n = 0: the three end points are collinear",
-    Status.AMBIGUOUS: "several answers cannot be told apart",
 }
 
 

@@ -53,44 +53,32 @@ class Singular(KrhprError, ValueError):
         self.status, self.index = status, index
 
 
-class NoConvergence(KrhprError, ValueError):
+class InBatch(KrhprError, ValueError):
+    """An element without an answer: `index` is its place in the batch."""
+
+    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
+        super().__init__(message, index)
+        self.index = index
+
+
+class NoConvergence(InBatch):
     """An iteration that ended before it converged; `index` is its place in the batch."""
 
-    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
-        super().__init__(message, index)
-        self.index = index
 
-
-class Unassembled(KrhprError, ValueError):
+class Unassembled(InBatch):
     """End points that no platform of the geometry fits; `index` is their place in the batch."""
 
-    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
-        super().__init__(message, index)
-        self.index = index
 
-
-class Ambiguous(KrhprError, ValueError):
+class Ambiguous(InBatch):
     """Several answers that cannot be told apart; `index` is their place in the batch."""
 
-    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
-        super().__init__(message, index)
-        self.index = index
 
-
-class Inconsistent(KrhprError, ValueError):
+class Inconsistent(InBatch):
     """Encoders that contradict the legs; `index` is their place in the batch."""
 
-    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
-        super().__init__(message, index)
-        self.index = index
 
-
-class InvalidInput(KrhprError, ValueError):
+class InvalidInput(InBatch):
     """NaN or infinite input, or a matrix that is not a rotation; `index` is its place in the batch."""
-
-    def __init__(self, message: str, index: tuple[int, ...] = ()) -> None:
-        super().__init__(message, index)
-        self.index = index
 
 
 class GeneratedMismatch(KrhprError, RuntimeError):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.contender import Manifest, Missing
+from benchmarks.workloads import Workload
 
 ROOT = Path(__file__).resolve().parents[2]
 PEER_PYTHON = ROOT / ".venv-bench" / "bin" / "python"
@@ -21,6 +22,11 @@ class Peer:
     name: str
     module: str
     package: str | None
+    special: bool = False  # for those workloads alone that name it
+
+    def takes_part(self, workload: Workload) -> bool:
+        """Whether it competes in a workload."""
+        return not self.special if workload.peers is None else self.name in workload.peers
 
 
 PEERS = (
@@ -29,10 +35,8 @@ PEERS = (
     Peer("CasADi", "casadi_c", "casadi"),
     Peer("SymForce", "symforce_cpp", "symforce"),
     Peer("wrenfold", "wrenfold_cpp", "wrenfold"),
-    Peer("GSL", "gsl_c", None),
+    Peer("GSL", "gsl_c", None, special=True),
 )
-SPECIAL = ("GSL",)
-"""Peers for those workloads alone that name them."""
 
 
 def interpreter_with(package: str | None, candidates: Sequence[Path]) -> Path | None:
