@@ -17,7 +17,7 @@ from krhpr.codegen.composition import (
     Status,
     Step,
 )
-from krhpr.codegen.kernel import Frame, Port, Unit
+from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.encoders import (
     MISMATCHES,
     TOLERANCE,
@@ -28,11 +28,10 @@ from krhpr.derivations.platforms.encoders import (
 )
 from krhpr.derivations.platforms.forward import BOX, CERTIFIED, SIDE, TURNED, forward_ports
 from krhpr.derivations.platforms.forward_newton import KANTOROVICH, STATE, near_ports
-from krhpr.derivations.platforms.forward_revolute import DEGREE, MISS_TOLERANCE, SEXTIC_ERROR
+from krhpr.derivations.platforms.forward_revolute import DEGREE
 from krhpr.derivations.robot_functions import FunctionsOf
-from krhpr.derivations.sublegs.cpr_forward import DEGREE as OCTIC_DEGREE
-from krhpr.derivations.sublegs.cpr_forward import MISS_TOLERANCE as OCTIC_MISS
-from krhpr.derivations.sublegs.cpr_forward import OCTIC, OCTIC_ERROR, octic_ports
+from krhpr.derivations.roots import COEFFICIENT_ERROR, MISS_TOLERANCE
+from krhpr.derivations.sublegs.forward import ForwardRoots
 
 ENCODERS = {2: "two", 3: "three"}
 
@@ -58,32 +57,43 @@ class ForwardFunctions(FunctionsOf):
 
     def _subleg_forward_all(self) -> RobotFunction:
         doc = "End points of the sub-legs in every assembly mode, from the actuated joints"
-        if self.robot.subleg.has_forward:
-            return self._function(
-                "subleg_forward_all",
-                f"{doc}; NaN where the loop cannot close.",
-                "3.5",
-                (self.leg.theta,),
-                (self.leg.s_all,),
-                (self._on_leg("subleg", "forward_all"),),
-                (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
-            )
-        return self._subleg_at_roots(doc)
-
-    def _subleg_at_roots(self, doc: str) -> RobotFunction:
-        """Where the assembly modes are the roots of a polynomial, of the 3-CPR's octic."""
-        ports = octic_ports(self.robot.subleg)
-        each = EachRoot(OCTIC.name, OCTIC_DEGREE, OCTIC_ERROR, OCTIC_MISS, ports.volume.name)
+        roots = self.robot.subleg.forward_roots()
+        if roots is not None:
+            return self._subleg_at_roots(roots, doc)
         return self._function(
             "subleg_forward_all",
-            f"{doc}: the real roots of an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two "
-            "all but coincide, or share the angle about axis 1, they are left out and said to be in doubt.",
-            "2.4.3",
+            f"{doc}; NaN where the loop cannot close.",
+            "3.5",
             (self.leg.theta,),
-            (ports.s, ports.volume, ports.count, ports.doubtful),
+            (self.leg.s_all,),
+            (self._on_leg("subleg", "forward_all"),),
+            (Guard("radicand", 0, Relation.AT_LEAST, 0.0, Status.UNREACHABLE_LEG_1),),
+        )
+
+    def _subleg_at_roots(self, roots: ForwardRoots, doc: str) -> RobotFunction:
+        (coefficients,) = roots.polynomial.outputs
+        each = EachRoot(coefficients.name, roots.degree, COEFFICIENT_ERROR, MISS_TOLERANCE, roots.order)
+        stacked = Layout.STACKED
+        return self._function(
+            "subleg_forward_all",
+            f"{doc}: {roots.doc}",
+            roots.equations,
+            (self.leg.theta,),
             (
-                self._on_leg("subleg", "octic"),
-                Call(Stage.LEG, "subleg", "at_root", {}, {}, each=each),
+                *roots.outputs,
+                Port(each.count, (), Unit.NONE, Frame.NONE, "number of assembly modes", stacked),
+                Port(
+                    each.doubtful,
+                    (),
+                    Unit.NONE,
+                    Frame.NONE,
+                    "1 where there may be further ones, else 0",
+                    stacked,
+                ),
+            ),
+            (
+                self._on_leg("subleg", roots.polynomial.name),
+                Call(Stage.LEG, "subleg", roots.at_root.name, {}, {}, each=each),
             ),
             (Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.UNREACHABLE_LEG_1),),
         )
@@ -116,7 +126,7 @@ class ForwardFunctions(FunctionsOf):
         doubtful = Port(
             "doubtful", (), Unit.NONE, Frame.NONE, "1 where there may be further solutions, else 0"
         )
-        each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name)
+        each = EachRoot("sextic", DEGREE, COEFFICIENT_ERROR, MISS_TOLERANCE, ports.det_J.name)
         guards = [
             Guard(each.found, 0, Relation.AT_LEAST, 1.0, Status.NO_ASSEMBLY),
             *([] if self.planar else [self._sign_guard(), self._flatness_guard()]),
@@ -142,7 +152,7 @@ class ForwardFunctions(FunctionsOf):
         subleg = self._subleg_forward()
         ports = forward_ports(self.robot.space, self.plate.redundant, 0)
         only = Only()
-        each = EachRoot("sextic", DEGREE, SEXTIC_ERROR, MISS_TOLERANCE, ports.det_J.name, only=only)
+        each = EachRoot("sextic", DEGREE, COEFFICIENT_ERROR, MISS_TOLERANCE, ports.det_J.name, only=only)
         family = () if self.planar else (TURNED,)
         guards = [
             *([] if self.planar else [self._sign_guard(), self._flatness_guard()]),

@@ -69,7 +69,7 @@ class _Functions(ForwardFunctions):
         yield self._end_points()
         yield self._redundant_coordinates()
         yield self._subleg_forward()
-        if self.robot.subleg.several_assemblies:
+        if self.robot.subleg.lists_assemblies:
             yield self._subleg_forward_all()
         if self.robot.subleg.has_inverse:
             yield self._subleg_inverse()

@@ -247,7 +247,7 @@ def _step(plate: Platform, count: int) -> Kernel:
     ]
     values += [weights[2] * (dot(x, x) - 1), weights[2] * (dot(y, y) - 1), weights[2] * dot(x, y)]
     step = normal_step(k, rows, values)
-    k.add_output(replace(STATE, name="state_next", doc=f"{STATE.doc}, one step on"), state + step)
+    k.add_output(STATE.one_step_on(), state + step)
     size = k.let("size", sum(dot(d, d) for d in whole))
     U_step, p_step = step[:4, 0], step[4:6, 0]
     k.add_output(CHANGE, [dot(U_step, U_step) + dot(p_step, p_step) / size])

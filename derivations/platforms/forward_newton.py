@@ -155,14 +155,10 @@ def _step() -> Kernel:
     cosine, sine = turned(sp.cos(state[0]), sp.sin(state[0]), centre)
     cosine, sine, a_1 = k.let("cos", cosine), k.let("sin", sine), state[1:3, 0]
     cosine, sine, turn, move = newton_step(k, "_on", cosine, sine, a_1, d, points, lengths)
-    k.add_output(_after(STATE), [state[0] + turn, *(a_1 + move), cosine, sine])
+    k.add_output(STATE.one_step_on(), [state[0] + turn, *(a_1 + move), cosine, sine])
     size = k.let("size", dot(d[1], d[1]) + dot(d[2], d[2]))
     k.add_output(CHANGE, [turn**2 + dot(move, move) / size])
     return k.kernel()
-
-
-def _after(port: Port) -> Port:
-    return Port(f"{port.name}_next", port.shape, port.unit, port.frame, f"{port.doc}, one step on")
 
 
 def _points(k: KernelWriter) -> tuple[sp.Matrix, ...]:

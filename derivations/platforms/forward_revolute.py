@@ -35,6 +35,7 @@ from krhpr.derivations.platforms.forward import (
 )
 from krhpr.derivations.platforms.kernels import all_legs
 from krhpr.derivations.polynomials import linear, product
+from krhpr.derivations.roots import cosine_and_sine, miss_port, root_port, write_miss
 from krhpr.derivations.terms import Space
 from krhpr.derivations.vectors import E, concurrence, cross2, dependence, dot, lines_meet, turned
 
@@ -55,14 +56,8 @@ SEXTIC = Port(
 )
 POINTS = Port("points", (3, 2), Unit.METRE, Frame.NONE, "S_i in the intermediate frame, from S_1")
 AXES = Port("axes", (3, 3), Unit.NONE, Frame.BASE, "intermediate frame [x_1, y_1, z_1]")
-ROOT = Port("root", (2,), Unit.NONE, Frame.NONE, "a root of the sextic: T = root_0 / root_1")
-MISS = Port(
-    "miss", (1,), Unit.NONE, Frame.NONE, "by how much the links' lengths are missed, squared and scaled"
-)
-SEXTIC_ERROR = 1e-14
-"""What rounding makes of the coefficients, relative to the sum of their sizes."""
-MISS_TOLERANCE = 1e-18
-"""A solution holds the links' lengths to a billionth; a root that is none misses them by far."""
+ROOT = root_port("sextic")
+MISS = miss_port("the links' lengths")
 CERTIFICATE = Port(
     "certificate", (14,), Unit.MIXED, Frame.NONE, "at least zero where a box holds one solution"
 )
@@ -139,15 +134,14 @@ def _sextic(plate: Platform) -> Kernel:
 
 def _assembly(plate: Platform) -> Kernel:
     k = KernelWriter("assembly", "The pose at one root of the sextic.", EQUATIONS)
-    x, y = k.add_input(ROOT)
+    root = k.add_input(ROOT)
     s, anchors, lengths = all_legs(k, plate.ports().s), all_legs(k, ANCHOR), all_legs(k, LENGTH)
     whole = k.add_input(POINTS)
     points = tuple(whole.row(i).T for i in range(3))
     axes = k.add_input(AXES) if plate.space is Space.SPATIAL else None
     plane = Plane(plate.space, s[0], axes, points)
     d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in range(3)]
-    scale = k.let("xy_2", 1 / (x**2 + y**2))
-    cosine, sine = k.let("cos_0", (y**2 - x**2) * scale), k.let("sin_0", 2 * x * y * scale)
+    cosine, sine = cosine_and_sine(k, root, "_0")
     z = [k.let(f"z_{i + 1}", turned(cosine, sine, d[i]) - points[i]) for i in (1, 2)]
     e = [k.let(f"e_{i + 2}", lengths[i + 1] ** 2 - lengths[0] ** 2 - dot(z[i], z[i])) for i in (0, 1)]
     a_1 = k.let("a_1_0", (e[1] * (E * z[0]) - e[0] * (E * z[1])) / (2 * cross2(z[0], z[1])))
@@ -159,8 +153,7 @@ def _assembly(plate: Platform) -> Kernel:
     write_modes(k, plane, [mode], joint, several=False)
     k.add_output(forward_ports(plate.space, joint, 0).det_J, mode.det_J)
     misses = [dot(v, v) - length**2 for v, length in zip(mode.links, lengths, strict=True)]
-    size = sum(length**2 for length in lengths)
-    k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
+    write_miss(k, MISS, misses, sum(length**2 for length in lengths))
     return k.kernel()
 
 

@@ -36,6 +36,7 @@ from krhpr.codegen.kernel import GeometryType, Kernel, Port
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.sublegs.circles import Meeting
+from krhpr.derivations.sublegs.forward import ForwardRoots
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
 from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured
@@ -147,10 +148,8 @@ class SubLeg(ABC):
         """Every end point where a point nearby chooses among them."""
         raise NotImplementedError(f"{self.name} has no forward kinematics in closed form")
 
-    def forward_at_roots(self) -> tuple[Kernel, Kernel] | None:
-        """Where a polynomial's roots are the assembly modes: the kernel that gives its coefficients, and the
-        one that gives the end point at a root.
-        """
+    def forward_roots(self) -> ForwardRoots | None:
+        """How a polynomial's real roots are its assembly modes, where they are."""
         return None
 
     def inverse(
@@ -245,9 +244,11 @@ class SubLeg(ABC):
         return self.assemblies_near if self.assembly_by_point else len(self.assemblies)
 
     @property
-    def several_assemblies(self) -> bool:
-        """Whether it can be assembled in several ways for the same actuated joints."""
-        return self.assembly_count > 1
+    def lists_assemblies(self) -> bool:
+        """Whether it states all its assembly modes, where there are several."""
+        if not self.has_forward:
+            return self.forward_roots() is not None
+        return bool(self.forward_signs) or type(self).forward_all is not SubLeg.forward_all
 
     @property
     def assembly_by_point(self) -> bool:

@@ -16,12 +16,13 @@ from typing import Any
 
 import sympy as sp
 
-from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Kernel, Layout, Port, Unit
+from krhpr.codegen.kernel import Frame, GeometryField, GeometryType, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.sublegs.base import Posture
 from krhpr.derivations.sublegs.carriers import BASE_FIELDS, begin_geometry, leg_axes, radial, write_leg_frame
 from krhpr.derivations.sublegs.chains import Chain, ChainSubLeg, row
-from krhpr.derivations.sublegs.cpr_forward import forward_kernels
+from krhpr.derivations.sublegs.cpr_forward import forward_roots
+from krhpr.derivations.sublegs.forward import ForwardRoots
 from krhpr.derivations.terms import Joint, JointKind, Link, LinkKind, Space
 from krhpr.derivations.vectors import cross, dot
 
@@ -107,8 +108,8 @@ class CPR3(ChainSubLeg):
     def scales(self, k: KernelWriter) -> tuple[Any, Any]:
         return k.g.R_b, k.g.R_b
 
-    def forward_at_roots(self) -> tuple[Kernel, Kernel]:
-        return forward_kernels(self)
+    def forward_roots(self) -> ForwardRoots:
+        return forward_roots(self)
 
     def inverse(
         self, k: KernelWriter, s: sp.Matrix, mode: sp.Matrix, swivel: Any

@@ -14,7 +14,7 @@ another and meet in one point; Newton steps from a point nearby find each.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -22,12 +22,13 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.polynomials import linear, product
+from krhpr.derivations.roots import cosine_and_sine, miss_port, root_port, write_miss
 from krhpr.derivations.sublegs.chains import row
+from krhpr.derivations.sublegs.forward import ForwardRoots
 from krhpr.derivations.sublegs.kernels import SubLegKernels
 from krhpr.derivations.vectors import determinant3, dot
 
 if TYPE_CHECKING:
-    from krhpr.derivations.sublegs.base import SubLeg
     from krhpr.derivations.sublegs.cpr import CPR3
 
 DEGREE = 8
@@ -39,7 +40,7 @@ OCTIC = Port(
     "coefficients in T = tan(t / 2), the constant one first",
     Layout.STACKED,
 )
-ROOT = Port("root", (2,), Unit.NONE, Frame.NONE, "a root of the octic: T = root_0 / root_1")
+ROOT = root_port("octic")
 VOLUME = Port(
     "volume",
     (),
@@ -48,42 +49,24 @@ VOLUME = Port(
     "p_1^T (p_2 x p_3), whose sign tells assembly modes apart",
     Layout.STACKED,
 )
-MISS = Port(
-    "miss", (1,), Unit.NONE, Frame.NONE, "by how much the distances rho_k are missed, squared and scaled"
-)
-OCTIC_ERROR = 1e-14
-"""What rounding makes of the coefficients, relative to the sum of their sizes."""
-MISS_TOLERANCE = 1e-18
-"""An assembly mode holds the distances to a billionth."""
+MISS = miss_port("the distances rho_k")
 STEPS = 2
 """Newton steps behind each root."""
 
 
-@dataclass(frozen=True)
-class OcticPorts:
-    """Results at every root, leg by leg."""
-
-    s: Port
-    volume: Port
-    count: Port
-    doubtful: Port
-
-
-def octic_ports(leg: SubLeg) -> OcticPorts:
-    """What is collected at the roots of the octic."""
-    stacked = Layout.STACKED
+def forward_roots(leg: CPR3) -> ForwardRoots:
+    """The octic, the end point at one of its roots, and what is collected."""
     s = leg.ports().s_all
-    return OcticPorts(
-        replace(s, doc=f"{s.doc}, NaN behind the last"),
-        replace(VOLUME, shape=(DEGREE,)),
-        Port("count", (), Unit.NONE, Frame.NONE, "number of assembly modes", stacked),
-        Port("doubtful", (), Unit.NONE, Frame.NONE, "1 where there may be further ones, else 0", stacked),
+    return ForwardRoots(
+        polynomial=_octic(leg),
+        at_root=_at_root(leg),
+        degree=DEGREE,
+        order=VOLUME.name,
+        outputs=(replace(s, doc=f"{s.doc}, NaN behind the last"), replace(VOLUME, shape=(DEGREE,))),
+        equations="2.4.3",
+        doc="the real roots of an octic, up to eight, in the order of p_1^T (p_2 x p_3).  Where two all but "
+        "coincide, or share the angle about axis 1, they are left out and said to be in doubt.",
     )
-
-
-def forward_kernels(leg: CPR3) -> tuple[Kernel, Kernel]:
-    """The octic, and the end point at one of its roots."""
-    return _octic(leg), _at_root(leg)
 
 
 def _frame(k: KernelWriter) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
@@ -148,11 +131,10 @@ def _at_root(leg: CPR3) -> Kernel:
     k = KernelWriter(
         "at_root", f"End point of the {leg.notation} sub-leg at a root of its octic.", "2.4.3", leg.geometry()
     )
-    x, y = k.add_input(ROOT)
+    root = k.add_input(ROOT)
     theta = k.add_input(leg.ports().theta)
     a, b, axis = _frame(k)
-    scale = k.let("xy_2", 1 / (x**2 + y**2))
-    cosine, sine = k.let("cos_t", (y**2 - x**2) * scale), k.let("sin_t", 2 * x * y * scale)
+    cosine, sine = cosine_and_sine(k, root, "_t")
     foot = k.let("foot", row(k.g.g, 0) + theta[0] * (cosine * a + sine * b), "on the cylinder, x = 0")
     level = []  # A x^2 + B x + C of chains 2 and 3
     for n in (2, 3):
@@ -174,6 +156,5 @@ def _at_root(leg: CPR3) -> Kernel:
     normals = [k.let(f"w_{n}", chain.w) for n, chain in enumerate(leg.chains(k, s, theta), 1)]
     k.add_output(VOLUME, determinant3(sp.Matrix([list(w) for w in normals])))
     misses = [dot(w, w) - rho**2 for w, rho in zip(normals, theta, strict=True)]
-    size = sum(rho**2 for rho in theta)
-    k.add_output(MISS, [sum(miss**2 for miss in misses) / size**2])
+    write_miss(k, MISS, misses, sum(rho**2 for rho in theta))
     return k.kernel()

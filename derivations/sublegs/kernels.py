@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -36,10 +35,11 @@ class SubLegKernels:
         if leg.has_forward:
             forward = self._forward()
             kernels = [forward, self._forward(posture=True)]
-            if leg.several_assemblies:
+            if leg.lists_assemblies:
                 kernels.append(self._forward_all(forward))
         else:
-            kernels = [self.forward_step(), *(leg.forward_at_roots() or ())]
+            roots = leg.forward_roots()
+            kernels = [self.forward_step(), *([roots.polynomial, roots.at_root] if roots else [])]
         if leg.has_inverse:
             inverse = self._inverse()
             kernels += [inverse, self._inverse_all(inverse), self._reach()]
@@ -383,9 +383,7 @@ class SubLegKernels:
         slope = k.let("df", sp.Matrix.hstack(*columns), f"df/d{unknown.name}")
         step = k.let("step", -solve_structured(slope, k.let("f", residual, "loop closure")))
         start = arguments[unknown.name]
-        k.add_output(
-            replace(unknown, name=f"{unknown.name}_next", doc=f"{unknown.doc}, one step on"), start + step
-        )
+        k.add_output(unknown.one_step_on(), start + step)
         # not below a picometre, or all unknowns being zero would never count as found
         size = k.let("size", k.maximum(dot(start, start), SMALLEST**2), "squared length of the unknowns")
         k.output("change", dot(step, step) / size, doc="squared length of the step over that of the unknowns")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from math import prod
 
@@ -89,6 +89,10 @@ class Port:
     def full_size(self) -> int:
         """Number of elements of the robot's array."""
         return prod(self.full_shape)
+
+    def one_step_on(self) -> Port:
+        """What an iteration makes of it."""
+        return replace(self, name=f"{self.name}_next", doc=f"{self.doc}, one step on")
 
 
 @dataclass(frozen=True)
