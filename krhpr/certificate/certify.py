@@ -41,7 +41,7 @@ def judge(robot: Robot, box: Box, cells: int = CELLS, *, bounds: bool = True) ->
 
 def certify_factor(robot: Robot, factor: Factor, box: Box, cells: int, bounds: bool = True) -> Finding:
     """What is known of one factor in a box."""
-    regular = factor.name == "det J_n" and factor.form is Form.TRIGONOMETRIC and never_collinear(robot)
+    regular = factor.collinear and never_collinear(robot)
     method = Method.INTERVALS if factor.form is Form.TRIGONOMETRIC else Method.VERTICES
     sign = factor.at([factor.coordinate(x) for x in box.centre]).sign()
     if sign is None:

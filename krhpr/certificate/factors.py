@@ -53,6 +53,8 @@ class Factor:
     form: Form
     coefficients: np.ndarray[Any, Any]
     margin: float
+    collinear: bool = False
+    """Whether it is det J_n of arrangement (a), which vanishes where S_1, S_2, S_3 are in line."""
 
     def at(self, point: Sequence[Coordinate]) -> Number:
         """Its value, without rounding."""
@@ -131,7 +133,13 @@ def _factors(identifier: str, geometry: Geometry) -> tuple[Factor, ...]:
     names = robot.signature("type_2_of_redundant").outputs[0].labels
     forms = (Form.SINUSOIDAL, Form.TRIGONOMETRIC) if angular else (Form.AFFINE, Form.AFFINE)
     return tuple(
-        Factor(name, forms[place], _coefficients(values[..., place], forms[place]), _margin(robot, place))
+        Factor(
+            name,
+            forms[place],
+            _coefficients(values[..., place], forms[place]),
+            _margin(robot, place),
+            collinear=forms[place] is Form.TRIGONOMETRIC,
+        )
         for place, name in enumerate(names)
     )
 

@@ -11,7 +11,6 @@ from krhpr.codegen.composition import (
     Call,
     EachRoot,
     Guard,
-    Only,
     Relation,
     Repeat,
     RobotCode,
@@ -25,6 +24,7 @@ from krhpr.codegen.passes import Part
 from krhpr.codegen.phases import Phases, split
 from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.targets.base import broken, port_text
+from krhpr.codegen.targets.c_statements import AtRoots, Iteration, Row, Statement
 
 BATCH = [
     "size_t count",
@@ -77,65 +77,6 @@ class FunctionView:
     def has_roots(self) -> bool:
         """Whether it needs the roots of a polynomial."""
         return any(call.at_roots for call in (*self.leg_calls, *self.platform_calls))
-
-
-@dataclass(frozen=True)
-class Statement:
-    """A statement, for the platform or a leg: a kernel's call, an iteration around it, a loop over roots."""
-
-    text: str
-    iteration: Iteration | None = None
-    at_roots: AtRoots | None = None
-
-
-@dataclass(frozen=True)
-class Iteration:
-    """A bounded iteration: the state, where it begins and ends, its angles, and when it stops."""
-
-    state: str
-    size: int
-    start: str
-    result: str
-    change: str
-    tolerance: str
-    limit: int
-    angle_call: str
-    angle_count: int
-
-
-@dataclass(frozen=True)
-class Row:
-    """What a kernel gives at a root: its name, where solutions are collected, and the elements of one."""
-
-    name: str
-    target: str
-    size: int
-
-
-@dataclass(frozen=True)
-class AtRoots:
-    """A kernel called at every root of a polynomial: its call, what is collected, and its arctangents."""
-
-    call: str
-    polynomial: str
-    degree: int
-    error: str
-    root: str
-    miss: str
-    tolerance: str
-    order: str
-    order_at: str
-    count: str
-    doubtful: str
-    found: str
-    only: Only | None
-    certificate_size: int
-    rows: tuple[Row, ...]
-    """What the kernel gives."""
-    copies: tuple[Row, ...]
-    """What of it is an output."""
-    tail_count: int
-    tail_stores: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
