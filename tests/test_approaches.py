@@ -336,6 +336,23 @@ def test_passive_joints_from_actuated_ones(identifier: str, backend: str) -> Non
     assert status == krhpr.Status.INVALID_INPUT and all(np.isnan(value).all() for value in broken)
 
 
+@pytest.mark.parametrize("identifier", ["spatial_r_fivebar_a", "planar_rr_a", "spatial_r_fivebar_b"])
+def test_passive_joints_say_what_forward_says(identifier: str, backend: str) -> None:
+    """The status of a sequence is that of the step that failed, not what the next ones make of its NaN."""
+    robot = krhpr.load(identifier, backend=backend)
+    theta = np.random.default_rng(15).uniform(-3, 3, (500, *robot.inverse(*robot.home).shape))
+    choices: list[dict[str, Any]] = [{"side": 0.0}]  # neither side of type II
+    if len(robot.box):
+        choices = [{}, {"box": np.radians([[140, 141]] * 3)}, {"box": np.radians([[-180, 180]] * 3)}]
+    for choice in choices:
+        _, wanted = robot.forward(theta, **choice, status=True)
+        found, status = robot.passive_joints_of_theta(theta, **choice, status=True)
+        failed = wanted != 0
+        assert failed.any() and np.array_equal(status[failed], wanted[failed])
+        assert krhpr.Status.INVALID_INPUT not in status
+        assert np.isnan(found.p[failed]).all() and np.isnan(found.platform_joint[failed]).all()
+
+
 # -- sub-legs -----------------------------------------------------------------------------------------------
 
 
