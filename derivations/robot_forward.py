@@ -267,7 +267,7 @@ class ForwardFunctions(FunctionsOf):
                 Call(Stage.PLATFORM, "platform", f"{number}_encoders", {}, {}),
                 Call(Stage.PLATFORM, "platform", "encoder_pose", {"state": "linear"}, {}),
             ),
-            (*self._flat(), self._spread(), self._agreement()),
+            (*self._flat(), *self._spread(), self._agreement()),
         )
 
     def _forward_gauss_newton(self, count: int) -> RobotFunction:
@@ -286,7 +286,7 @@ class ForwardFunctions(FunctionsOf):
                 Call(Stage.PLATFORM, "platform", kernel, {}, {"state_next": "state"}, repeat),
                 Call(Stage.PLATFORM, "platform", "encoder_pose", {}, {}),
             ),
-            (*self._flat(), self._spread(), self._agreement(), self._converged(repeat)),
+            (*self._flat(), *self._spread(), self._agreement(), self._converged(repeat)),
         )
 
     def _encoder_outputs(self, count: int) -> tuple[Port, ...]:
@@ -305,9 +305,13 @@ class ForwardFunctions(FunctionsOf):
         return () if self.planar else (self._flatness_guard(),)
 
     @staticmethod
-    def _spread() -> Guard:
-        """Where two end points are one in the platform, or three are in line, they tell no orientation."""
-        return Guard("spread", 0, Relation.AT_LEAST, SINGULAR_TOLERANCE**2, Status.SINGULAR_IN_PLANE)
+    def _spread() -> tuple[Guard, ...]:
+        """Where end points are one or in line, in the platform or by the joints, they tell no orientation."""
+        limit = SINGULAR_TOLERANCE**2
+        return tuple(
+            Guard(name, 0, Relation.AT_LEAST, limit, Status.SINGULAR_IN_PLANE)
+            for name in ("spread", "direction")
+        )
 
     @staticmethod
     def _agreement() -> Guard:

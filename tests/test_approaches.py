@@ -310,6 +310,10 @@ def test_encoders_that_contradict_the_legs(identifier: str, backend: str) -> Non
         robot.forward_gauss_newton(s, wrong, tolerance=1e-3, check=True)
     infinite = robot.forward_encoders(s, np.array([np.nan, 1.0]), status=True)[1]
     assert infinite == krhpr.Status.INVALID_INPUT
+    # end points that are one tell no orientation, whatever is tolerated
+    for count in (2, 3):
+        nowhere = robot.forward_encoders(0 * s, wrong[:count], tolerance=1e9, status=True)[1]
+        assert nowhere == (krhpr.Status.SINGULAR_IN_PLANE if robot.planar else krhpr.Status.SINGULAR_NORMAL)
     if not robot.planar:
         line = np.outer([0.0, 1.0, 2.0], np.ones(3))
         assert robot.forward_encoders(line, wrong, status=True)[1] == krhpr.Status.SINGULAR_NORMAL

@@ -45,6 +45,9 @@ MISMATCHES = Port(
 SPREAD = Port(
     "spread", (1,), Unit.NONE, Frame.NONE, "squared: zero where encoders leave the orientation open"
 )
+DIRECTION = Port(
+    "direction", (1,), Unit.NONE, Frame.NONE, "|q_x|^2: zero where the end points leave the orientation open"
+)
 AGREEMENT = Port("agreement", (1,), Unit.METRE, Frame.NONE, "not negative within the tolerance")
 REAL = Port("radicand", (1,), Unit.NONE, Frame.NONE, "not negative where the second link reaches")
 WEIGHTS = Port(
@@ -260,7 +263,9 @@ def _pose(plate: Platform) -> Kernel:
     axes = k.add_input(AXES) if plate.space is Space.SPATIAL else None
     plane = Plane(plate.space, s[0], axes, ())
     x, y = state[0:2, 0], state[2:4, 0]
-    norm = k.let("norm", 1 / sp.sqrt(dot(x, x)))
+    square = k.let("square", dot(x, x))
+    k.add_output(DIRECTION, [square])
+    norm = k.let("norm", 1 / sp.sqrt(square))
     # (3.34) to (3.36): in the plane q_y follows from q_x
     pose = k.let("cos", x[0] * norm), k.let("sin", x[1] * norm), state[4:6, 0]
     _write_poses(k, plate, plane, [pose], several=False)

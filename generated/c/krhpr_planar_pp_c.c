@@ -1071,6 +1071,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_2(
     double spread[1];
     double linear[6];
     double agreement[1];
+    double direction[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1086,10 +1087,13 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_2(
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
-    krhpr_platform_planar_c_encoder_pose(s, linear, p, raw, tail_y, tail_x);
+    krhpr_platform_planar_c_encoder_pose(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1134,6 +1138,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_3(
     double spread[1];
     double linear[6];
     double agreement[1];
+    double direction[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1149,10 +1154,13 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_3(
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
-    krhpr_platform_planar_c_encoder_pose(s, linear, p, raw, tail_y, tail_x);
+    krhpr_platform_planar_c_encoder_pose(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1199,6 +1207,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_gauss_newton_3(
     double agreement[1];
     double state[6];
     double change[1];
+    double direction[1];
     if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1229,10 +1238,13 @@ KRHPR_API int krhpr_planar_pp_c_forward_gauss_newton_3(
     for (int k = 0; k < 6; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_planar_c_encoder_pose(s, state, p, raw, tail_y, tail_x);
+    krhpr_platform_planar_c_encoder_pose(s, state, direction, p, raw, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {

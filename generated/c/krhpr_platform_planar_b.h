@@ -647,12 +647,14 @@ static inline void krhpr_platform_planar_b_gauss_newton_3(
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
  * square root) */
 static inline void krhpr_platform_planar_b_encoder_pose(
-    const double s[6], const double state[6], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT raw,
-    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const double s[6], const double state[6], double *KRHPR_RESTRICT direction, double *KRHPR_RESTRICT p,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double norm = 1.0 / sqrt(state[0] * state[0] + state[1] * state[1]);
+    const double square = state[0] * state[0] + state[1] * state[1];
+    const double norm = 1.0 / sqrt(square);
     const double cos = state[0] * norm;
     const double sin = state[1] * norm;
+    direction[0] = square;
     p[0] = s[0] + state[4];
     p[1] = s[1] + state[5];
     raw[0] = state[0];

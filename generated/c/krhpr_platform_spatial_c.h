@@ -876,12 +876,14 @@ static inline void krhpr_platform_spatial_c_gauss_newton_3(
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1 divide, 1
  * square root) */
 static inline void krhpr_platform_spatial_c_encoder_pose(
-    const double s[9], const double state[6], const double axes[9], double *KRHPR_RESTRICT p,
-    double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw)
+    const double s[9], const double state[6], const double axes[9], double *KRHPR_RESTRICT direction,
+    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw)
 {
-    const double norm = 1.0 / sqrt(state[0] * state[0] + state[1] * state[1]);
+    const double square = state[0] * state[0] + state[1] * state[1];
+    const double norm = 1.0 / sqrt(square);
     const double cos = state[0] * norm;
     const double sin = state[1] * norm;
+    direction[0] = square;
     p[0] = s[0] + state[4] * axes[0] + state[5] * axes[1];
     p[1] = s[1] + state[4] * axes[3] + state[5] * axes[4];
     p[2] = s[2] + state[4] * axes[6] + state[5] * axes[7];

@@ -1643,6 +1643,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2(
     double spread[1];
     double linear[6];
     double agreement[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1663,11 +1664,14 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2(
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
         agreement);
-    krhpr_platform_spatial_a_encoder_pose(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_a_encoder_pose(s, linear, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1718,6 +1722,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3(
     double spread[1];
     double linear[6];
     double agreement[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1738,11 +1743,14 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3(
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
         agreement);
-    krhpr_platform_spatial_a_encoder_pose(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_a_encoder_pose(s, linear, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1795,6 +1803,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2(
     double agreement[1];
     double state[6];
     double change[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1831,11 +1840,14 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2(
     for (int k = 0; k < 6; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_spatial_a_encoder_pose(s, state, axes, p, Q, raw);
+    krhpr_platform_spatial_a_encoder_pose(s, state, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1891,6 +1903,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3(
     double agreement[1];
     double state[6];
     double change[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1926,11 +1939,14 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3(
     for (int k = 0; k < 6; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_spatial_a_encoder_pose(s, state, axes, p, Q, raw);
+    krhpr_platform_spatial_a_encoder_pose(s, state, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {

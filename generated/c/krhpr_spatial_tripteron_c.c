@@ -1076,6 +1076,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_2(
     double spread[1];
     double linear[6];
     double agreement[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1088,11 +1089,14 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_2(
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
-    krhpr_platform_spatial_c_encoder_pose(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_c_encoder_pose(s, linear, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1140,6 +1144,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_3(
     double spread[1];
     double linear[6];
     double agreement[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1152,11 +1157,14 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_3(
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
-    krhpr_platform_spatial_c_encoder_pose(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_c_encoder_pose(s, linear, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {
@@ -1206,6 +1214,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_gauss_newton_3(
     double agreement[1];
     double state[6];
     double change[1];
+    double direction[1];
     if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1233,11 +1242,14 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_gauss_newton_3(
     for (int k = 0; k < 6; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_spatial_c_encoder_pose(s, state, axes, p, Q, raw);
+    krhpr_platform_spatial_c_encoder_pose(s, state, axes, direction, p, Q, raw);
     if (!(flatness[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
     if (!(agreement[0] >= 0.0)) {

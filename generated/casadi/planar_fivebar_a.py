@@ -657,7 +657,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         arm += arm_i
     _points, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
-    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    _direction, p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
 
 
@@ -692,7 +692,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         arm += arm_i
     _points, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), turns, anchor, length, arm, call.whole("tolerance"))
-    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    _direction, p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
 
 

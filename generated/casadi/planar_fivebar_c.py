@@ -678,7 +678,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         slide += slide_i
     _points, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
-    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    _direction, p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
 
 
@@ -707,7 +707,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         slide += slide_i
     _points, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
-    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    _direction, p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
 
 

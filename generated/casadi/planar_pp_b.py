@@ -660,7 +660,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         start += start_i
     _points, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
-    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    _direction, p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
 
 
@@ -693,7 +693,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         start += start_i
     _points, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
-    p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
+    _direction, p, phi, raw = platform.encoder_pose(call.whole("s"), linear)
     return call.function({"p": p, "phi": phi, "raw": raw, "mismatch": mismatch})
 
 

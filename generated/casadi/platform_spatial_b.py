@@ -1070,10 +1070,14 @@ def encoder_pose(s: Any, state: Any, axes: Any) -> tuple[Any, ...]:
     s_00, s_01, s_02, _s_10, _s_11, _s_12, _s_20, _s_21, _s_22 = s
     state_0, state_1, state_2, state_3, state_4, state_5 = state
     axes_00, axes_01, axes_02, axes_10, axes_11, axes_12, axes_20, axes_21, axes_22 = axes
-    norm = 1 / ca.sqrt(state_0 * state_0 + state_1 * state_1)
+    square = state_0 * state_0 + state_1 * state_1
+    norm = 1 / ca.sqrt(square)
     cos = state_0 * norm
     sin = state_1 * norm
     return (
+        (  # direction
+            square,
+        ),
         (  # p
             s_00 + state_4 * axes_00 + state_5 * axes_01,
             s_01 + state_4 * axes_10 + state_5 * axes_11,

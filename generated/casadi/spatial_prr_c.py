@@ -663,7 +663,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         slide += slide_i
     _flatness, _points, axes, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
-    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    _direction, p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
     return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
 
 
@@ -692,7 +692,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         slide += slide_i
     _flatness, _points, axes, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), call.whole("measured"), slide, call.whole("tolerance"))
-    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    _direction, p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
     return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
 
 

@@ -676,7 +676,7 @@ def forward_encoders_2(geometry: Any) -> Any:
         start += start_i
     _flatness, _points, axes, _ends, _spread, linear, mismatch, _agreement = platform.two_encoders(
             call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
-    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    _direction, p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
     return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
 
 
@@ -709,7 +709,7 @@ def forward_encoders_3(geometry: Any) -> Any:
         start += start_i
     _flatness, _points, axes, _ends, _spread, linear, mismatch, _agreement = platform.three_encoders(
             call.whole("s"), call.whole("measured"), slide, distance, start, call.whole("tolerance"))
-    p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
+    _direction, p, Q, raw = platform.encoder_pose(call.whole("s"), linear, axes)
     return call.function({"p": p, "Q": Q, "raw": raw, "mismatch": mismatch})
 
 

@@ -1872,7 +1872,7 @@ def forward_encoders_2(
         _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
             {
                 "p": p,
@@ -1882,6 +1882,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1922,7 +1923,7 @@ def forward_encoders_3(
         _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
             {
                 "p": p,
@@ -1932,6 +1933,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1977,7 +1979,7 @@ def forward_gauss_newton_2(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_2(at, arguments.whole("weights"), points, ends, rt.legs(anchor), rt.legs(length)),
             linear, 1e-24, 25)
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
         results = arguments.finish(
             {
                 "p": p,
@@ -1987,6 +1989,7 @@ def forward_gauss_newton_2(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),
@@ -2034,7 +2037,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
         results = arguments.finish(
             {
                 "p": p,
@@ -2044,6 +2047,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

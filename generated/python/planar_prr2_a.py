@@ -1868,7 +1868,7 @@ def forward_encoders_2(
         _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
             {
                 "p": p,
@@ -1878,6 +1878,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1918,7 +1919,7 @@ def forward_encoders_3(
         _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
             {
                 "p": p,
@@ -1928,6 +1929,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1973,7 +1975,7 @@ def forward_gauss_newton_2(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_2(at, arguments.whole("weights"), points, ends, rt.legs(anchor), rt.legs(length)),
             linear, 1e-24, 25)
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
         results = arguments.finish(
             {
                 "p": p,
@@ -1983,6 +1985,7 @@ def forward_gauss_newton_2(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),
@@ -2030,7 +2033,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
         results = arguments.finish(
             {
                 "p": p,
@@ -2040,6 +2043,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

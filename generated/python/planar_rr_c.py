@@ -1543,7 +1543,7 @@ def forward_encoders_2(
         slide = platform.tie(g.platform)
         _points, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
             {
                 "p": p,
@@ -1553,6 +1553,7 @@ def forward_encoders_2(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1590,7 +1591,7 @@ def forward_encoders_3(
         slide = platform.tie(g.platform)
         _points, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), linear)
         results = arguments.finish(
             {
                 "p": p,
@@ -1600,6 +1601,7 @@ def forward_encoders_3(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
             ),
         )
@@ -1643,7 +1645,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
         results = arguments.finish(
             {
                 "p": p,
@@ -1653,6 +1655,7 @@ def forward_gauss_newton_3(
             },
             (
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
             ),

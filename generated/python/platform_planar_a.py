@@ -1369,10 +1369,14 @@ def encoder_pose(s: Any, state: Any) -> tuple[Any, ...]:
     divide, 1 square root, 1 arctangent)"""
     s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
     state_0, state_1, state_2, state_3, state_4, state_5 = state
-    norm = 1 / np.sqrt(state_0 * state_0 + state_1 * state_1)
+    square = state_0 * state_0 + state_1 * state_1
+    norm = 1 / np.sqrt(square)
     cos = state_0 * norm
     sin = state_1 * norm
     return (
+        (  # direction
+            square,
+        ),
         (  # p
             s_00 + state_4,
             s_01 + state_5,

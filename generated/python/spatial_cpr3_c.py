@@ -1748,7 +1748,7 @@ def forward_encoders_2(
         slide = platform.tie(g.platform)
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1759,6 +1759,7 @@ def forward_encoders_2(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1796,7 +1797,7 @@ def forward_encoders_3(
         slide = platform.tie(g.platform)
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1807,6 +1808,7 @@ def forward_encoders_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1850,7 +1852,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1861,6 +1863,7 @@ def forward_gauss_newton_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

@@ -1608,7 +1608,7 @@ def forward_encoders_2(
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1619,6 +1619,7 @@ def forward_encoders_2(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1657,7 +1658,7 @@ def forward_encoders_3(
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
             rt.legs(start), arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1668,6 +1669,7 @@ def forward_encoders_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1712,7 +1714,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1723,6 +1725,7 @@ def forward_gauss_newton_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

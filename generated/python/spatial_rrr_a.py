@@ -1831,7 +1831,7 @@ def forward_encoders_2(
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1842,6 +1842,7 @@ def forward_encoders_2(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1882,7 +1883,7 @@ def forward_encoders_3(
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1893,6 +1894,7 @@ def forward_encoders_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1938,7 +1940,7 @@ def forward_gauss_newton_2(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_2(at, arguments.whole("weights"), points, ends, rt.legs(anchor), rt.legs(length)),
             linear, 1e-24, 25)
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1949,6 +1951,7 @@ def forward_gauss_newton_2(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),
@@ -1996,7 +1999,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -2007,6 +2010,7 @@ def forward_gauss_newton_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

@@ -1909,7 +1909,7 @@ def forward_encoders_2(
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.two_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1920,6 +1920,7 @@ def forward_encoders_2(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -1960,7 +1961,7 @@ def forward_encoders_3(
         flatness, _points, axes, _ends, spread, linear, mismatch, agreement = platform.three_encoders(
             arguments.whole("s"), turns, rt.legs(anchor), rt.legs(length), rt.legs(arm),
             arguments.whole("tolerance"))
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), linear, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1971,6 +1972,7 @@ def forward_encoders_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
             ),
         )
@@ -2016,7 +2018,7 @@ def forward_gauss_newton_2(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_2(at, arguments.whole("weights"), points, ends, rt.legs(anchor), rt.legs(length)),
             linear, 1e-24, 25)
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -2027,6 +2029,7 @@ def forward_gauss_newton_2(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),
@@ -2074,7 +2077,7 @@ def forward_gauss_newton_3(
         state, change = rt.repeat(
             lambda at: platform.gauss_newton_3(at, arguments.whole("weights"), points, ends), linear, 1e-24,
             25)
-        p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
+        direction, p, Q, raw = platform.encoder_pose(arguments.whole("s"), state, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -2085,6 +2088,7 @@ def forward_gauss_newton_3(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "Q", "raw", "mismatch", )),
                 rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "Q", "raw", "mismatch", )),
             ),

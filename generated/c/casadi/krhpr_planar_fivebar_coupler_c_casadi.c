@@ -1284,12 +1284,13 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[4];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
-    krhpr_platform_planar_c_encoder_pose_tangent(s, linear, p, phi, raw);
+    krhpr_platform_planar_c_encoder_pose_tangent(s, linear, direction, p, phi, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
@@ -1337,12 +1338,13 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[6];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
-    krhpr_platform_planar_c_encoder_pose_tangent(s, linear, p, phi, raw);
+    krhpr_platform_planar_c_encoder_pose_tangent(s, linear, direction, p, phi, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {

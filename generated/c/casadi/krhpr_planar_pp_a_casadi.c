@@ -1055,6 +1055,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[4];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
@@ -1062,7 +1063,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     }
     krhpr_platform_planar_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
-    krhpr_platform_planar_a_encoder_pose_tangent(s, linear, p, phi, raw);
+    krhpr_platform_planar_a_encoder_pose_tangent(s, linear, direction, p, phi, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
@@ -1113,6 +1114,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[6];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
@@ -1120,7 +1122,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     }
     krhpr_platform_planar_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
-    krhpr_platform_planar_a_encoder_pose_tangent(s, linear, p, phi, raw);
+    krhpr_platform_planar_a_encoder_pose_tangent(s, linear, direction, p, phi, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {

@@ -1339,13 +1339,15 @@ static inline void krhpr_platform_planar_b_gauss_newton_3_tangent(
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (12
  * add, 19 multiply, 2 divide, 1 square root, 1 arctangent) */
 static inline void krhpr_platform_planar_b_encoder_pose_tangent(
-    const krhpr_dual *s, const krhpr_dual *state, krhpr_dual *KRHPR_RESTRICT p,
-    krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT raw)
+    const krhpr_dual *s, const krhpr_dual *state, krhpr_dual *KRHPR_RESTRICT direction,
+    krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT raw)
 {
-    const double norm = 1.0 / sqrt(state[0].v * state[0].v + state[1].v * state[1].v);
+    const double square = state[0].v * state[0].v + state[1].v * state[1].v;
+    const double norm = 1.0 / sqrt(square);
     const double cos = state[0].v * norm;
     const double sin = state[1].v * norm;
     const double h1 = 1.0 / (cos * cos + sin * sin);
+    direction[0].v = square;
     p[0].v = s[0].v + state[4].v;
     p[1].v = s[1].v + state[5].v;
     phi[0].v = krhpr_atan2(sin, cos);
@@ -1356,11 +1358,13 @@ static inline void krhpr_platform_planar_b_encoder_pose_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = state[0].v * state[0].t[k];
         const double t2 = state[1].v * state[1].t[k];
-        const double t3 = norm * (norm * (norm * (0.5 * (t1 + t1 + (t2 + t2)))));
-        const double t4 = cos * (norm * state[1].t[k] - state[1].v * t3) - sin * (norm * state[0].t[k] - state[0].v * t3);
+        const double t3 = t1 + t1 + (t2 + t2);
+        const double t4 = norm * (norm * (norm * (0.5 * t3)));
+        const double t5 = cos * (norm * state[1].t[k] - state[1].v * t4) - sin * (norm * state[0].t[k] - state[0].v * t4);
+        direction[0].t[k] = t3;
         p[0].t[k] = s[0].t[k] + state[4].t[k];
         p[1].t[k] = s[1].t[k] + state[5].t[k];
-        phi[0].t[k] = h1 * t4;
+        phi[0].t[k] = h1 * t5;
         raw[0].t[k] = state[0].t[k];
         raw[1].t[k] = state[2].t[k];
         raw[2].t[k] = state[1].t[k];

@@ -3264,12 +3264,15 @@ static inline void krhpr_platform_spatial_a_gauss_newton_3_tangent(
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (72
  * add, 104 multiply, 1 divide, 1 square root) */
 static inline void krhpr_platform_spatial_a_encoder_pose_tangent(
-    const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *axes, krhpr_dual *KRHPR_RESTRICT p,
-    krhpr_dual *KRHPR_RESTRICT Q, krhpr_dual *KRHPR_RESTRICT raw)
+    const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *axes,
+    krhpr_dual *KRHPR_RESTRICT direction, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT Q,
+    krhpr_dual *KRHPR_RESTRICT raw)
 {
-    const double norm = 1.0 / sqrt(state[0].v * state[0].v + state[1].v * state[1].v);
+    const double square = state[0].v * state[0].v + state[1].v * state[1].v;
+    const double norm = 1.0 / sqrt(square);
     const double cos = state[0].v * norm;
     const double sin = state[1].v * norm;
+    direction[0].v = square;
     p[0].v = s[0].v + state[4].v * axes[0].v + state[5].v * axes[1].v;
     p[1].v = s[1].v + state[4].v * axes[3].v + state[5].v * axes[4].v;
     p[2].v = s[2].v + state[4].v * axes[6].v + state[5].v * axes[7].v;
@@ -3294,38 +3297,40 @@ static inline void krhpr_platform_spatial_a_encoder_pose_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = state[0].v * state[0].t[k];
         const double t2 = state[1].v * state[1].t[k];
-        const double t3 = norm * (norm * (norm * (0.5 * (t1 + t1 + (t2 + t2)))));
-        const double t4 = norm * state[0].t[k] - state[0].v * t3;
-        const double t5 = norm * state[1].t[k] - state[1].v * t3;
-        const double t6 = s[0].t[k] + (axes[0].v * state[4].t[k] + state[4].v * axes[0].t[k]) + (axes[1].v * state[5].t[k] + state[5].v * axes[1].t[k]);
-        const double t7 = s[1].t[k] + (axes[3].v * state[4].t[k] + state[4].v * axes[3].t[k]) + (axes[4].v * state[5].t[k] + state[5].v * axes[4].t[k]);
-        const double t8 = s[2].t[k] + (axes[6].v * state[4].t[k] + state[4].v * axes[6].t[k]) + (axes[7].v * state[5].t[k] + state[5].v * axes[7].t[k]);
-        const double t9 = axes[0].v * state[0].t[k] + state[0].v * axes[0].t[k] + (axes[1].v * state[1].t[k] + state[1].v * axes[1].t[k]);
-        const double t10 = axes[0].v * state[2].t[k] + state[2].v * axes[0].t[k] + (axes[1].v * state[3].t[k] + state[3].v * axes[1].t[k]);
-        const double t11 = axes[3].v * state[0].t[k] + state[0].v * axes[3].t[k] + (axes[4].v * state[1].t[k] + state[1].v * axes[4].t[k]);
-        const double t12 = axes[3].v * state[2].t[k] + state[2].v * axes[3].t[k] + (axes[4].v * state[3].t[k] + state[3].v * axes[4].t[k]);
-        const double t13 = axes[6].v * state[0].t[k] + state[0].v * axes[6].t[k] + (axes[7].v * state[1].t[k] + state[1].v * axes[7].t[k]);
-        const double t14 = axes[6].v * state[2].t[k] + state[2].v * axes[6].t[k] + (axes[7].v * state[3].t[k] + state[3].v * axes[7].t[k]);
-        p[0].t[k] = t6;
-        p[1].t[k] = t7;
-        p[2].t[k] = t8;
-        Q[0].t[k] = cos * axes[0].t[k] + axes[0].v * t4 + (sin * axes[1].t[k] + axes[1].v * t5);
-        Q[1].t[k] = cos * axes[1].t[k] + axes[1].v * t4 - (sin * axes[0].t[k] + axes[0].v * t5);
+        const double t3 = t1 + t1 + (t2 + t2);
+        const double t4 = norm * (norm * (norm * (0.5 * t3)));
+        const double t5 = norm * state[0].t[k] - state[0].v * t4;
+        const double t6 = norm * state[1].t[k] - state[1].v * t4;
+        const double t7 = s[0].t[k] + (axes[0].v * state[4].t[k] + state[4].v * axes[0].t[k]) + (axes[1].v * state[5].t[k] + state[5].v * axes[1].t[k]);
+        const double t8 = s[1].t[k] + (axes[3].v * state[4].t[k] + state[4].v * axes[3].t[k]) + (axes[4].v * state[5].t[k] + state[5].v * axes[4].t[k]);
+        const double t9 = s[2].t[k] + (axes[6].v * state[4].t[k] + state[4].v * axes[6].t[k]) + (axes[7].v * state[5].t[k] + state[5].v * axes[7].t[k]);
+        const double t10 = axes[0].v * state[0].t[k] + state[0].v * axes[0].t[k] + (axes[1].v * state[1].t[k] + state[1].v * axes[1].t[k]);
+        const double t11 = axes[0].v * state[2].t[k] + state[2].v * axes[0].t[k] + (axes[1].v * state[3].t[k] + state[3].v * axes[1].t[k]);
+        const double t12 = axes[3].v * state[0].t[k] + state[0].v * axes[3].t[k] + (axes[4].v * state[1].t[k] + state[1].v * axes[4].t[k]);
+        const double t13 = axes[3].v * state[2].t[k] + state[2].v * axes[3].t[k] + (axes[4].v * state[3].t[k] + state[3].v * axes[4].t[k]);
+        const double t14 = axes[6].v * state[0].t[k] + state[0].v * axes[6].t[k] + (axes[7].v * state[1].t[k] + state[1].v * axes[7].t[k]);
+        const double t15 = axes[6].v * state[2].t[k] + state[2].v * axes[6].t[k] + (axes[7].v * state[3].t[k] + state[3].v * axes[7].t[k]);
+        direction[0].t[k] = t3;
+        p[0].t[k] = t7;
+        p[1].t[k] = t8;
+        p[2].t[k] = t9;
+        Q[0].t[k] = cos * axes[0].t[k] + axes[0].v * t5 + (sin * axes[1].t[k] + axes[1].v * t6);
+        Q[1].t[k] = cos * axes[1].t[k] + axes[1].v * t5 - (sin * axes[0].t[k] + axes[0].v * t6);
         Q[2].t[k] = axes[2].t[k];
-        Q[3].t[k] = cos * axes[3].t[k] + axes[3].v * t4 + (sin * axes[4].t[k] + axes[4].v * t5);
-        Q[4].t[k] = cos * axes[4].t[k] + axes[4].v * t4 - (sin * axes[3].t[k] + axes[3].v * t5);
+        Q[3].t[k] = cos * axes[3].t[k] + axes[3].v * t5 + (sin * axes[4].t[k] + axes[4].v * t6);
+        Q[4].t[k] = cos * axes[4].t[k] + axes[4].v * t5 - (sin * axes[3].t[k] + axes[3].v * t6);
         Q[5].t[k] = axes[5].t[k];
-        Q[6].t[k] = cos * axes[6].t[k] + axes[6].v * t4 + (sin * axes[7].t[k] + axes[7].v * t5);
-        Q[7].t[k] = cos * axes[7].t[k] + axes[7].v * t4 - (sin * axes[6].t[k] + axes[6].v * t5);
+        Q[6].t[k] = cos * axes[6].t[k] + axes[6].v * t5 + (sin * axes[7].t[k] + axes[7].v * t6);
+        Q[7].t[k] = cos * axes[7].t[k] + axes[7].v * t5 - (sin * axes[6].t[k] + axes[6].v * t6);
         Q[8].t[k] = axes[8].t[k];
-        raw[0].t[k] = t9;
-        raw[1].t[k] = t10;
+        raw[0].t[k] = t10;
+        raw[1].t[k] = t11;
         raw[2].t[k] = axes[2].t[k];
-        raw[3].t[k] = t11;
-        raw[4].t[k] = t12;
+        raw[3].t[k] = t12;
+        raw[4].t[k] = t13;
         raw[5].t[k] = axes[5].t[k];
-        raw[6].t[k] = t13;
-        raw[7].t[k] = t14;
+        raw[6].t[k] = t14;
+        raw[7].t[k] = t15;
         raw[8].t[k] = axes[8].t[k];
     }
 }

@@ -1299,13 +1299,14 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[4];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_two_encoders_tangent(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
         mismatch);
-    krhpr_platform_spatial_b_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_b_encoder_pose_tangent(s, linear, axes, direction, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
@@ -1357,13 +1358,14 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[6];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_three_encoders_tangent(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
         mismatch);
-    krhpr_platform_spatial_b_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_b_encoder_pose_tangent(s, linear, axes, direction, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {

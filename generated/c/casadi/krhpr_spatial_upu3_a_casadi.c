@@ -1197,6 +1197,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[4];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
@@ -1204,7 +1205,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     }
     krhpr_platform_spatial_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
-    krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, direction, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
@@ -1257,6 +1258,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual ends[6];
     krhpr_dual spread[1];
     krhpr_dual linear[6];
+    krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
@@ -1264,7 +1266,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     }
     krhpr_platform_spatial_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
-    krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, p, Q, raw);
+    krhpr_platform_spatial_a_encoder_pose_tangent(s, linear, axes, direction, p, Q, raw);
 }
 
 static const krhpr_casadi_slot in_forward_encoders_3[] = {
