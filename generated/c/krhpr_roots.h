@@ -60,42 +60,58 @@ static inline int krhpr_roots_inside(int n, const krhpr_roots_interval *here)
     return variations > most ? -1 : variations;
 }
 
-static inline double krhpr_roots_value(int n, const double *power, double t, double *slope)
+/* Where the control polygon of an interval with one root crosses zero: close to the root, as a part of the interval. */
+static inline double krhpr_roots_crossing(int n, const krhpr_roots_interval *here)
 {
-    double value = power[n], derivative = 0.0;
-    for (int j = n - 1; j >= 0; --j) {
-        derivative = derivative * t + value;
-        value = value * t + power[j];
+    const double *b = here->b;
+    const int rising = here->ends[1] > 0;
+    int last = n;
+    for (int i = n - 1; i > 0; --i) {
+        last = (b[i] > 0.0) == rising ? i : last;
     }
-    *slope = derivative;
-    return value;
+    return ((double)(last - 1) + b[last - 1] / (b[last - 1] - b[last])) / (double)n;
 }
 
-/* The one root inside (low, high), by Newton's steps kept in the bracket. */
-static inline double krhpr_roots_refine(int n, const double *power, double low, double high, int rising)
+/* The one root inside (low, high), by Newton's steps from t, kept in the bracket.  They end where the value is within its rounding error, or
+ * where the next step, which quadratic convergence makes change^2 (change / before^2), is too short to matter. */
+static inline double krhpr_roots_refine(int n, const double *power, double low, double high, int rising, double t)
 {
-    double t = 0.5 * (low + high);
+    double before = 0.0;
+    if (!(t > low && t < high)) {
+        t = 0.5 * (low + high);
+    }
     for (int step = 0; step < 96; ++step) {
-        double slope;
-        const double value = krhpr_roots_value(n, power, t, &slope);
-        double next;
-        if (value == 0.0) {
-            break;
+        const double unit = 1.1102230246251565e-16;
+        double value = power[n], slope = 0.0, size = fabs(value), change, next;
+        for (int j = n - 1; j >= 0; --j) {
+            slope = slope * t + value;
+            value = value * t + power[j];
+            size = size * t + fabs(power[j]);
         }
         if ((value > 0.0) == (rising != 0)) {
             high = t;
         } else {
             low = t;
         }
+        change = fabs(value / slope);
         next = t - value / slope;
         if (!(next > low && next < high)) {
+            if (fabs(value) <= unit * size) {
+                break;
+            }
             next = 0.5 * (low + high);
-        }
-        if (fabs(next - t) <= 1.2e-16 * t || next == low || next == high) {
+            before = 0.0;
+            if (next == low || next == high) {
+                break;
+            }
             t = next;
-            break;
+            continue;
         }
         t = next;
+        if (fabs(value) <= unit * size || change * (change * change) <= unit * t * (before * before)) {
+            break;
+        }
+        before = change;
     }
     return t;
 }
@@ -205,7 +221,8 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
             }
             if (inside == 1) {
                 if (count < n) {
-                    const double t = krhpr_roots_refine(n, power, here->low, here->low + length, here->ends[1] > 0);
+                    const double start = here->low + length * krhpr_roots_crossing(n, here);
+                    const double t = krhpr_roots_refine(n, power, here->low, here->low + length, here->ends[1] > 0, start);
                     const double other = negative ? -1.0 : 1.0;
                     x[count] = inverse ? other : other * t;
                     y[count++] = inverse ? t : 1.0;
@@ -224,25 +241,24 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
                     continue;
                 }
             }
-            /* halve: the left half takes this place, the right half the one above */
+            /* halve: the left half takes this place, the right half the one above, where the averages are formed */
             {
                 krhpr_roots_interval *const right = here + 1;
                 double *left = here->b;
-                double work[KRHPR_ROOTS_DEGREE + 1], largest = 0.0, next;
+                double *const work = right->b;
+                double largest = 0.0, next;
                 for (int i = 0; i <= n; ++i) {
                     work[i] = left[i];
                     largest = krhpr_max(fabs(work[i]), largest);
                 }
                 next = here->error + unit * (double)n * largest; /* averages round n times */
                 for (int pass = 0; pass < n; ++pass) {
-                    right->b[n - pass] = work[n - pass];
                     left[pass] = work[0];
                     for (int i = 0; i < n - pass; ++i) {
                         work[i] = 0.5 * (work[i] + work[i + 1]);
                     }
                 }
                 left[n] = work[0];
-                right->b[0] = work[0];
                 here->level += 1;
                 right->level = here->level;
                 here->error = next;

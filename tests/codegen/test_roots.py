@@ -165,6 +165,24 @@ def test_places_are_those_of_many_digits() -> None:
             assert got == pytest.approx(wanted, rel=1e-11, abs=1e-13)
 
 
+@pytest.mark.parametrize("degree", DEGREES)
+def test_places_are_as_good_as_doubles(degree: int, in_c: Any, full: bool) -> None:
+    """At every place the polynomial is zero but for its rounding errors, also beside double roots."""
+    rng = np.random.default_rng(degree)
+    rows = [rng.normal(size=(200 if full else 25, degree + 1))]
+    rows += [near_double(rng, 10.0**-power, 40 if full else 8, degree) for power in (2, 4, 6)]
+    c = np.concatenate(rows)
+    found = real_roots(c)
+    for x, y, count in ((found.x, found.y, found.count), in_c(c)[:3]):
+        for row, xs, ys, n in zip(c, x, y, count, strict=True):
+            for a, b in zip(xs[:n], ys[:n], strict=True):
+                terms = [
+                    Fraction(float(v)) * Fraction(float(a)) ** j * Fraction(float(b)) ** (degree - j)
+                    for j, v in enumerate(row)
+                ]
+                assert abs(sum(terms)) <= 2 * degree * Fraction(1, 2**53) * sum(abs(term) for term in terms)
+
+
 @pytest.mark.parametrize(
     ("coefficients", "roots"),
     [

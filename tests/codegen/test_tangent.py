@@ -12,7 +12,7 @@ from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kerne
 from krhpr.codegen.graph import LEAVES, InputRef, Op
 from krhpr.codegen.kernel import Kernel, Unit
 from krhpr.codegen.passes import Part
-from krhpr.codegen.pipeline import Derived, derive
+from krhpr.codegen.pipeline import Derived
 from krhpr.codegen.tangent import (
     BRANCHES,
     SUFFIX,
@@ -21,6 +21,7 @@ from krhpr.codegen.tangent import (
     tangent_twin,
     twin_outputs,
 )
+from tests.support import derived_robots
 
 mp = mpmath.MPContext()
 mp.dps = 60
@@ -53,12 +54,12 @@ DIGITS = Arithmetic(
 
 @pytest.fixture(scope="module")
 def derived() -> Derived:
-    return derive()
+    return derived_robots()
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "name" in metafunc.fixturenames:
-        names = [f"{part.name}.{kernel.name}" for part in derive().parts for kernel in part.kernels]
+        names = [f"{part.name}.{kernel.name}" for part in derived_robots().parts for kernel in part.kernels]
         metafunc.parametrize("name", names)
 
 

@@ -33,10 +33,10 @@ from krhpr.limits import Cone, Interval, Limits
 from krhpr.validation.agreement import true_values
 from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.scale import relative, worst_of
-from krhpr.validation.subject import subjects
 from tests.c.support import COMPILERS, CONFORMANCE, CPP, CPP_CONFORMANCE
 from tests.files.support import EXAMPLE
 from tests.support import THOROUGH, contents, run_python
+from tests.validation.support import subject
 
 ROBOTS = krhpr.catalogue()
 SAMPLES = 2
@@ -56,8 +56,7 @@ LIMITS = Limits(
 @cache
 def batch_of(identifier: str) -> Batch:
     """Sizes and configurations of a robot."""
-    (subject,) = subjects([identifier])
-    return draw(subject, 7, SAMPLES)
+    return draw(subject(identifier), 7, SAMPLES)
 
 
 @cache

@@ -9,15 +9,16 @@ from krhpr.validation.check import Check, Kind
 from krhpr.validation.outcome import State
 from krhpr.validation.plan import plan
 from krhpr.validation.run import Result, carry_out
-from krhpr.validation.subject import Subject, subjects
-from tests.support import large
+from krhpr.validation.subject import Subject
+from tests.support import derived_robots, large
 
-IDENTIFIERS = [entry.identifier for entry in catalogue()]
+ENTRIES = {entry.identifier: entry for entry in catalogue()}
+IDENTIFIERS = list(ENTRIES)
 
 
 @cache
 def subject(identifier: str) -> Subject:
-    return subjects([identifier])[0]
+    return Subject(ENTRIES[identifier], parts=derived_robots().parts)
 
 
 @cache

@@ -7,7 +7,6 @@ import sys
 
 import pytest
 
-from krhpr.codegen.pipeline import derive
 from krhpr.codegen.report import report_files
 from krhpr.derivations.catalogue import catalogue
 from krhpr.derivations.sublegs.kernels import SubLegKernels
@@ -22,8 +21,9 @@ from krhpr.validation.proofs.platforms import EQUILATERAL
 from krhpr.validation.proofs.thesis import ATTACHMENTS, ROWS, VELOCITY
 from krhpr.validation.rules import EVERY, FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 from krhpr.validation.run import RUNNERS
+from tests.support import derived_robots
 
-DERIVED = derive()
+DERIVED = derived_robots()
 PLANS = {robot.identifier: plan(robot) for robot in DERIVED.robots}
 ROBOTS = pytest.mark.parametrize("robot", DERIVED.robots, ids=lambda robot: robot.identifier)
 
