@@ -12,7 +12,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.pipeline import derive
 
 BUDGETS = Path(__file__).resolve().parent.parent / "tests" / "codegen" / "budgets.json"

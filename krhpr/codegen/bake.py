@@ -14,7 +14,7 @@ from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.evaluate import Arithmetic, prepare_geometry
 from krhpr.codegen.graph import Op
 from krhpr.codegen.kernel import LEGS
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 
 _DIGITS = mpmath.MPContext()
 _DIGITS.dps = 50

@@ -7,7 +7,7 @@ from math import radians
 
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS, GeometryField
-from krhpr.codegen.passes import Part, optimise
+from krhpr.codegen.part import Part, optimise
 from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.platforms.base import Platform

@@ -13,7 +13,7 @@ from enum import IntEnum, StrEnum
 
 from krhpr.codegen.graph import OperationCount
 from krhpr.codegen.kernel import LEGS, Frame, Kernel, Port, Unit
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.limits import Limits
 
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import StrEnum
 from fractions import Fraction
 
 
-class Op(Enum):
+class Op(StrEnum):
     """The operations of the graph.  Every target's printer knows exactly these."""
 
     CONST = "const"
@@ -243,21 +243,7 @@ class Graph:
 
     def apply(self, op: Op, args: Sequence[int]) -> int:
         """The operation `op` on existing nodes, simplified as on first construction."""
-        methods: dict[Op, Callable[..., int]] = {
-            Op.ADD: self.add,
-            Op.SUB: self.sub,
-            Op.MUL: self.mul,
-            Op.DIV: self.div,
-            Op.NEG: self.neg,
-            Op.SQRT: self.sqrt,
-            Op.SIN: self.sin,
-            Op.COS: self.cos,
-            Op.ATAN2: self.atan2,
-            Op.ABS: self.absolute,
-            Op.MIN: self.minimum,
-            Op.MAX: self.maximum,
-        }
-        return methods[op](*args)
+        return _METHODS[op](self, *args)
 
     def replay(self, node: Node, place: Sequence[int]) -> int:
         """A node of another graph written here; `place[i]` is where its argument i stands in this one."""
@@ -313,6 +299,22 @@ class Graph:
             self.nodes.append(node)
             self._known[node] = known
         return known
+
+
+_METHODS: Mapping[Op, Callable[..., int]] = {
+    Op.ADD: Graph.add,
+    Op.SUB: Graph.sub,
+    Op.MUL: Graph.mul,
+    Op.DIV: Graph.div,
+    Op.NEG: Graph.neg,
+    Op.SQRT: Graph.sqrt,
+    Op.SIN: Graph.sin,
+    Op.COS: Graph.cos,
+    Op.ATAN2: Graph.atan2,
+    Op.ABS: Graph.absolute,
+    Op.MIN: Graph.minimum,
+    Op.MAX: Graph.maximum,
+}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from krhpr.codegen.graph import LEAVES, Graph, InputRef, Name, Node, Op
@@ -16,39 +16,6 @@ from krhpr.codegen.kernel import GEOMETRY_PREFIX, Frame, GeometryType, Kernel, P
 
 DERIVED = "k"
 """The prepared array that holds parameter-only sub-expressions found by `precompute_parameters`."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """The kernels that share one geometry (a sub-leg, a platform arrangement, or plain algebra), ready to
-    print.
-    """
-
-    name: str
-    doc: str
-    geometry: GeometryType | None
-    kernels: tuple[Kernel, ...]
-    written: dict[str, int]
-
-    def kernel(self, name: str) -> Kernel:
-        """A kernel by name."""
-        for entry in self.kernels:
-            if entry.name == name:
-                return entry
-        raise KeyError(f"part {self.name!r} has no kernel {name!r}")
-
-
-def optimise(name: str, doc: str, geometry: GeometryType | None, kernels: Sequence[Kernel]) -> Part:
-    """All passes, in order, over the kernels of one part."""
-    written = {kernel.name: kernel.written for kernel in kernels}
-    shared = [hoist_reciprocals(kernel) for kernel in kernels]
-    if geometry is not None:
-        shared = [fold_prepared_constants(geometry, kernel) for kernel in shared]
-        geometry, shared = precompute_parameters(geometry, shared)
-        geometry = replace(geometry, prepare=pair_sine_cosine(remove_dead_code(geometry.prepare)))
-        shared = [replace(kernel, geometry=geometry) if kernel.geometry else kernel for kernel in shared]
-    done = tuple(pair_sine_cosine(remove_dead_code(kernel)) for kernel in shared)
-    return Part(name, doc, geometry, done, written)
 
 
 def hoist_reciprocals(kernel: Kernel) -> Kernel:

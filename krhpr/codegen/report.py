@@ -11,7 +11,7 @@ from dataclasses import replace
 from krhpr import __version__
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.targets.base import File, render
 from krhpr.robot_files.facts import facts_of_code
 from krhpr.robot_files.schema import schema_text

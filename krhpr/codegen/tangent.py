@@ -15,7 +15,8 @@ from krhpr.codegen.composition import Call, RobotFunction, Stage
 from krhpr.codegen.differentiate import tangents
 from krhpr.codegen.graph import LEAVES, Graph, InputRef, Name, Op
 from krhpr.codegen.kernel import LEGS, Kernel, Port
-from krhpr.codegen.passes import Part, pair_sine_cosine, remove_dead_code
+from krhpr.codegen.part import Part
+from krhpr.codegen.passes import pair_sine_cosine, remove_dead_code
 
 SUFFIX = "_tangent"
 BRANCHES = ("mode", "assembly")

@@ -17,7 +17,6 @@ from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel
-from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry, catalogue
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
@@ -64,13 +63,11 @@ class Subject:
     def derived(self, part: str, name: str) -> Kernel:
         """A kernel as the derivation states it, before any pass."""
         if part not in self._derived:
-            self._derived[part] = {kernel.name: kernel for kernel in self._kernels(part)}
+            self._derived[part] = {kernel.name: kernel for kernel in self.code.parts[part].derived}
+            if part == "subleg":
+                closure = self.subleg.closure_kernel()
+                self._derived[part][closure.name] = closure
         return self._derived[part][name]
-
-    def _kernels(self, part: str) -> tuple[Kernel, ...]:
-        if part == "subleg":
-            return (*self.subleg.kernels(), self.subleg.closure_kernel())
-        return self.platform.kernels() if part == "platform" else algebra.kernels(self.platform.space)
 
     @cached_property
     def geometry_types(self) -> dict[str, GeometryType]:

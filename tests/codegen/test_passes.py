@@ -11,10 +11,10 @@ from hypothesis import assume, given
 from krhpr.codegen.evaluate import evaluate_kernel, prepare_geometry
 from krhpr.codegen.graph import LEAVES, Graph, GraphError, InputRef, Op
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel
+from krhpr.codegen.part import optimise
 from krhpr.codegen.passes import (
     fold_prepared_constants,
     hoist_reciprocals,
-    optimise,
     pair_sine_cosine,
     precompute_parameters,
     remove_dead_code,

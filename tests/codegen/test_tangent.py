@@ -11,7 +11,7 @@ from krhpr.codegen.composition import Stage
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
 from krhpr.codegen.graph import LEAVES, InputRef, Op
 from krhpr.codegen.kernel import Kernel, Unit
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.pipeline import Derived
 from krhpr.codegen.tangent import (
     BRANCHES,

@@ -16,7 +16,7 @@ import jinja2
 import krhpr.templates
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import Kernel, Port
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.composition import STATUS_DOC, RobotCode, Status
 from krhpr.codegen.kernel import LEGS
-from krhpr.codegen.passes import Part
-from krhpr.codegen.phases import split
+from krhpr.codegen.part import Part
 from krhpr.codegen.targets.base import File, render
 from krhpr.codegen.targets.c_functions import BATCH, batch_arguments, function_view, prototype
 from krhpr.codegen.targets.c_kernels import (
@@ -37,7 +36,7 @@ class CTarget:
     def part(self, part: Part) -> Iterable[File]:
         kernels = []
         for kernel in part.kernels:
-            phases = split(kernel)
+            phases = part.phases[kernel.name]
             if phases.angles is not None:
                 kernels.append(kernel_view(part.name, phases.angles))
             kernels.append(kernel_view(part.name, phases.body))

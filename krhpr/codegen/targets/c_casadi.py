@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.kernel import LEGS
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.tangent import BRANCHES, TangentFunction, tangent_function
 from krhpr.codegen.targets.base import File, render
 from krhpr.codegen.targets.c_tangent import DIRECTIONS, TwinFunction, twin_views

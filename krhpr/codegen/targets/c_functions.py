@@ -20,8 +20,8 @@ from krhpr.codegen.composition import (
     variables,
 )
 from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
-from krhpr.codegen.passes import Part
-from krhpr.codegen.phases import Phases, split
+from krhpr.codegen.part import Part
+from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.targets.base import broken, port_text
 from krhpr.codegen.targets.c_statements import AtRoots, Iteration, Row, Statement
@@ -230,7 +230,7 @@ class _Plan:
 
     def _add(self, call: Call) -> None:
         part = self.robot.parts[call.part]
-        phases = split(part.kernel(call.kernel))
+        phases = part.phases[call.kernel]
         if call.repeat is not None:
             self._iterate(call, call.repeat, part, phases)
             return

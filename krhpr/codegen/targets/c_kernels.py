@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel, Port
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.printers.infix import Line, Pair
 from krhpr.codegen.targets.base import kernel_comment

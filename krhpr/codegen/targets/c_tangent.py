@@ -13,7 +13,7 @@ from math import prod
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.graph import InputRef
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, Kernel, Port
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import FUNCTIONS, RESERVED, constant, input_text
 from krhpr.codegen.printers.infix import Dialect, Line, Pair, print_body
 from krhpr.codegen.tangent import BRANCHES, SUFFIX, TangentFunction, is_tangent, tangent_twin, twin_outputs

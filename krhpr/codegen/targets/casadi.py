@@ -8,7 +8,7 @@ from typing import Any
 from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.kernel import LEGS
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.printers.python import CASADI
 from krhpr.codegen.targets.base import File, broken, render
 from krhpr.codegen.targets.python import part_context

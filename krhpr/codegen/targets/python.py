@@ -24,7 +24,7 @@ from krhpr.codegen.composition import (
 )
 from krhpr.codegen.graph import InputRef, Op
 from krhpr.codegen.kernel import Kernel, Port
-from krhpr.codegen.passes import Part
+from krhpr.codegen.part import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
 from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
