@@ -57,7 +57,7 @@ class ForwardFunctions(FunctionsOf):
 
     def _subleg_forward_all(self) -> RobotFunction:
         doc = "End points of the sub-legs in every assembly mode, from the actuated joints"
-        roots = self.robot.subleg.forward_roots()
+        roots = self.robot.subleg.assembly_roots
         if roots is not None:
             return self._subleg_at_roots(roots, doc)
         return self._function(

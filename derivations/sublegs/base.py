@@ -27,6 +27,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
@@ -247,8 +248,17 @@ class SubLeg(ABC):
     def lists_assemblies(self) -> bool:
         """Whether it states all its assembly modes, where there are several."""
         if not self.has_forward:
-            return self.forward_roots() is not None
+            return self.assembly_roots is not None
         return bool(self.forward_signs) or type(self).forward_all is not SubLeg.forward_all
+
+    @cached_property
+    def assembly_roots(self) -> ForwardRoots | None:
+        """What `forward_roots` states, derived once."""
+        return self.forward_roots()
+
+    @cached_property
+    def _factors(self) -> tuple[tuple[Factor, ...], ...]:
+        return SubLegKernels(self).factors()
 
     @property
     def assembly_by_point(self) -> bool:
@@ -269,11 +279,11 @@ class SubLeg(ABC):
 
     def has_parallel_factors(self) -> bool:
         """Whether the sub-leg has a closed loop, and with it configurations in which M_i does not exist."""
-        return bool(SubLegKernels(self).factors()[1])
+        return bool(self._factors[1])
 
     def has_serial_factors(self) -> bool:
         """Whether there are configurations in which M_i, or the rates of its joints, cannot be inverted."""
-        return bool(SubLegKernels(self).factors()[0])
+        return bool(self._factors[0])
 
     def has_loops(self) -> bool:
         """Whether passive joints and points exist only where loops of passive joints close."""
@@ -285,4 +295,4 @@ class SubLeg(ABC):
 
     def factor_names(self) -> list[tuple[str, str]]:
         """Names and meanings of the leg's singular factors, serial ones first."""
-        return [(factor.name, factor.doc) for kind in SubLegKernels(self).factors() for factor in kind]
+        return [(factor.name, factor.doc) for kind in self._factors for factor in kind]

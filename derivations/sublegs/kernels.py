@@ -38,7 +38,7 @@ class SubLegKernels:
             if leg.lists_assemblies:
                 kernels.append(self._forward_all(forward))
         else:
-            roots = leg.forward_roots()
+            roots = leg.assembly_roots
             kernels = [self.forward_step(), *([roots.polynomial, roots.at_root] if roots else [])]
         if leg.has_inverse:
             inverse = self._inverse()

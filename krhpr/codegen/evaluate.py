@@ -7,6 +7,7 @@ node, without any printer.  Numbers need + - * / and unary minus; the rest comes
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -57,11 +58,11 @@ METHODS = Arithmetic(
 """Numbers that bring their own functions as methods."""
 
 _BASIC: Mapping[Op, Callable[..., Any]] = {
-    Op.ADD: lambda a, b: a + b,
-    Op.SUB: lambda a, b: a - b,
-    Op.MUL: lambda a, b: a * b,
-    Op.DIV: lambda a, b: a / b,
-    Op.NEG: lambda a: -a,
+    Op.ADD: operator.add,
+    Op.SUB: operator.sub,
+    Op.MUL: operator.mul,
+    Op.DIV: operator.truediv,
+    Op.NEG: operator.neg,
 }
 
 
@@ -72,18 +73,15 @@ def evaluate_kernel(
     arithmetic: Arithmetic = FLOAT,
 ) -> dict[str, list[Any]]:
     """Outputs of a kernel by port, flat and row-major; `geometry` as `prepare_geometry` gives it."""
-    values: list[Any] = []
-    needed = kernel.graph.needed(kernel.result_nodes)
-    for index, node in kernel.graph:
-        if not needed[index]:
-            values.append(None)
-        elif isinstance(node.value, Fraction):
-            values.append(arithmetic.constant(node.value))
+    values: dict[int, Any] = {}
+    operations = {**_BASIC, **arithmetic.functions}
+    for index, node in kernel.steps:
+        if node.value is None:
+            values[index] = operations[node.op](*[values[a] for a in node.args])
         elif isinstance(node.value, InputRef):
-            values.append(_read(node.value, inputs, geometry))
+            values[index] = _read(node.value, inputs, geometry)
         else:
-            operation = _BASIC.get(node.op) or arithmetic.functions[node.op]
-            values.append(operation(*(values[a] for a in node.args)))
+            values[index] = arithmetic.constant(node.value)
     return {port.name: [values[node] for node in kernel.results[port.name]] for port in kernel.outputs}
 
 

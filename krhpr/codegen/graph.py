@@ -247,11 +247,11 @@ class Graph:
 
     def replay(self, node: Node, place: Sequence[int]) -> int:
         """A node of another graph written here; `place[i]` is where its argument i stands in this one."""
-        if isinstance(node.value, Fraction):
-            return self.constant(node.value)
+        if node.value is None:
+            return self.apply(node.op, [place[argument] for argument in node.args])
         if isinstance(node.value, InputRef):
             return self.input(node.value.port, node.value.index)
-        return self.apply(node.op, [place[argument] for argument in node.args])
+        return self.constant(node.value)
 
     # -- structure ------------------------------------------------------------------------------------------
 

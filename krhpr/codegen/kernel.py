@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cached_property
 from math import prod
 
-from krhpr.codegen.graph import Graph, OperationCount, count_operations
+from krhpr.codegen.graph import Graph, Node, OperationCount, count_operations
 
 
 class Unit(StrEnum):
@@ -160,7 +161,13 @@ class Kernel:
         """Nodes of all outputs, port by port."""
         return tuple(node for port in self.outputs for node in self.results[port.name])
 
-    @property
+    @cached_property
+    def steps(self) -> tuple[tuple[int, Node], ...]:
+        """The nodes that the outputs depend on, each behind its arguments."""
+        needed = self.graph.needed(self.result_nodes)
+        return tuple((index, node) for index, node in self.graph if needed[index])
+
+    @cached_property
     def operations(self) -> OperationCount:
         """Operations of one call."""
         return count_operations(self.graph, self.result_nodes)

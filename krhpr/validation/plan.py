@@ -86,8 +86,7 @@ def has_roots(kernel: Kernel) -> bool:
     """
     if any(port.name == "theta_next" for port in kernel.outputs):
         return True
-    needed = kernel.graph.needed(kernel.result_nodes)
-    return any(node.op in _ROOTS for index, node in kernel.graph if needed[index])
+    return any(node.op in _ROOTS for _, node in kernel.steps)
 
 
 def needs_balls(robot: RobotCode, function: RobotFunction) -> bool:
