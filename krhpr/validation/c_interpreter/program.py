@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,15 @@ from krhpr.validation.c_interpreter.scope import Environment
 from krhpr.validation.c_interpreter.statements import compile_function, constant_table
 from krhpr.validation.c_interpreter.types import CType, Record, Void
 from krhpr.validation.numbers import EXACT, Arithmetic
+
+
+@lru_cache(maxsize=8)
+def _parsed(text: str) -> c_ast.FileAST:
+    """The tree of a text, which programs of several arithmetics share; nothing changes it."""
+    try:
+        return c_parser.CParser().parse(text, "prelude")
+    except c_parser.ParseError as error:
+        raise Unsupported(f"the text does not parse as C99: {error}") from error
 
 
 class CProgram:
@@ -53,11 +63,7 @@ class CProgram:
         preprocessor = Preprocessor([*values, "NULL", "true", "false"])
         preprocessor.macros |= macros or {}
         text = "\n".join([PRELUDE, *(preprocessor.process(source, name) for name, source in sources)])
-        try:
-            tree = c_parser.CParser().parse(text, "prelude")
-        except c_parser.ParseError as error:
-            raise Unsupported(f"the text does not parse as C99: {error}") from error
-        for node in tree.ext:
+        for node in _parsed(text).ext:
             self._external(node)
 
     @classmethod
