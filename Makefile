@@ -37,10 +37,10 @@ validate: $(TEST_READY) ## Check generated/ against the derivation; the report i
 	$(VENV)/bin/krhpr validate $(ARGS)
 
 test: lint ## Lint, then run the tests on small samples
-	$(VENV)/bin/python -m pytest -n $(WORKERS) -q $(ARGS)
+	$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal -q $(ARGS)
 
 test-full: $(TEST_READY) ## Run every test, on large samples
-	$(VENV)/bin/python -m pytest -n $(WORKERS) -q --full $(ARGS)
+	$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal -q --full $(ARGS)
 
 lint: $(TEST_READY) ## Check style, layout and types
 	$(VENV)/bin/ruff check .

@@ -49,7 +49,7 @@ def configurations(robot: krhpr.Robot, count: int) -> Iterator[tuple[Any, Any, A
 
 @pytest.mark.parametrize("identifier", ROBOTS)
 def test_links_end_at_the_end_points_and_have_the_geometrys_lengths(identifier: str) -> None:
-    robot = krhpr.load(identifier)
+    robot = krhpr.load(identifier, backend="numpy")
     for p, orientation, redundant, mode in configurations(robot, 16):
         bones = skeleton(robot, p, orientation, redundant, mode)
         s = robot.end_points(p, orientation, redundant)

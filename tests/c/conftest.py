@@ -30,6 +30,13 @@ def compiler(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
+def in_turns(robot: str, compiler: str, full: bool) -> None:
+    """In small samples one compiler for each robot, in turns, and both for the first."""
+    if not full and COMPILERS[len(robot) % 2] != compiler and robot != THOROUGH[0]:
+        pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
+
+
+@pytest.fixture
 def build(tmp_path: Path) -> Build:
     """Compiles one of the harnesses here with a robot's functions."""
 

@@ -256,12 +256,9 @@ def test_no_answer_is_nan(robot: str, external: Callable[[str], Any]) -> None:
     assert not np.isnan(values[1]).all() and not np.isnan(blocks[1]).all()
 
 
-def test_work_is_enough_and_null_pointers_are_taken(
-    robot: str, compiler: str, tmp_path: Path, full: bool
-) -> None:
+@pytest.mark.usefixtures("in_turns")
+def test_work_is_enough_and_null_pointers_are_taken(robot: str, compiler: str, tmp_path: Path) -> None:
     """CasADi's C interface itself, under sanitizers, with buffers of exactly the stated sizes."""
-    if not full and (compiler == "clang") != (len(robot) % 2 == 1):
-        pytest.skip("small samples: one compiler for each robot, in turns")
     names = [f"krhpr_{robot}_{name}" for name in sx(robot)]
     names += [f"jac_krhpr_{robot}_{name}" for name in sx(robot) if name not in without_jacobian(robot)]
     (tmp_path / "entries.h").write_text("".join(f"ENTRY({name}),\n" for name in names))

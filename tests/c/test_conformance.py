@@ -39,10 +39,9 @@ def compile_object(compiler: str, robot: str, folder: Path, *flags: str) -> Path
 
 
 @pytest.mark.every_robot
-@pytest.mark.parametrize("optimisation", ["-O0", "-O2"])
-def test_strict_c99(robot: str, compiler: str, optimisation: str, tmp_path: Path) -> None:
-    """No warning at all, with and without the optimiser's analyses."""
-    compile_object(compiler, robot, tmp_path, *CONFORMANCE, optimisation)
+def test_strict_c99(robot: str, compiler: str, tmp_path: Path) -> None:
+    """No warning at all; those of the optimiser's analyses are looked for below."""
+    compile_object(compiler, robot, tmp_path, *CONFORMANCE, "-O0")
 
 
 @pytest.mark.parametrize("standard", ["c11", "c17", "gnu99", "gnu17"])
@@ -67,7 +66,8 @@ def test_headers_serve_cpp(compiler: str, tmp_path: Path) -> None:
         run([cpp, *CPP_CONFORMANCE, "-fsyntax-only", f"-I{SOURCES}", source])
 
 
-def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path, full: bool) -> None:
+@pytest.mark.usefixtures("in_turns")
+def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) -> None:
     """Compiled as C, called from C++."""
     cpp = program(CPP[compiler])
     source = tmp_path / "main.cpp"
@@ -79,11 +79,14 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path, 
     run([tmp_path / "main"])
 
 
-@pytest.mark.parametrize("flags", [("-O0",), ("-O2", "-std=c99"), SPEED], ids=["O0", "O2", "speed"])
-def test_symbols(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
-    """Undefined symbols are on a short list (no allocation, no pow); all others are prefixed."""
-    nm = program("nm")
-    library = compile_object(compiler, robot, tmp_path, *flags, "-fPIC", "-fno-stack-protector")
+@pytest.mark.usefixtures("in_turns")
+@pytest.mark.parametrize("flags", [("-O0",), ("-O2",), SPEED], ids=["O0", "O2", "speed"])
+def test_objects(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
+    """No warning; undefined symbols are on a short list (no allocation, no pow), all others are prefixed; and
+    there is no state: nothing in .data, .bss or thread-local storage, and no common symbols.
+    """
+    nm, size = program("nm"), program("size")
+    library = compile_object(compiler, robot, tmp_path, *CONFORMANCE, *flags, "-fPIC", "-fno-stack-protector")
     needed, offered = set(), set()
     for line in run([nm, library]).splitlines():
         kind, name = line.split()[-2:]
@@ -94,12 +97,6 @@ def test_symbols(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Pa
     assert needed - POSITION_INDEPENDENCE <= ALLOWED
     assert {kind for kind, _ in offered} == {"T"}, "functions alone are exported"
     assert all(name.startswith(f"krhpr_{robot}_") for _, name in offered)
-
-
-def test_no_writable_data(robot: str, compiler: str, tmp_path: Path) -> None:
-    """Nothing in .data, .bss or thread-local storage, and no common symbols: there is no state."""
-    size = program("size")
-    library = compile_object(compiler, robot, tmp_path, "-O2", "-fPIC")
     rows = [line.split() for line in run([size, "-A", library]).splitlines()]
     sections = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
     assert sections[".text"] > 0

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import COMPILERS, SOURCES, program, run
-from tests.support import THOROUGH, large
+from tests.c.support import SOURCES, program, run
+from tests.support import large
 
 SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
 
@@ -31,10 +31,9 @@ def may_be_nan(robot: str) -> tuple[str, ...]:
     return (*MAY_BE_NAN, *(f"forward_all.{name}" for name in padded))
 
 
+@pytest.mark.usefixtures("in_turns")
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
-    if not full and COMPILERS[len(robot) % 2] != compiler and robot != THOROUGH[0]:
-        pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
     binary = build("hostile.c", robot, compiler, "-O1" if large(robot, full) else "-O0", "-g", *SANITIZE)
     run([binary, "100000" if large(robot, full) else "2000", *may_be_nan(robot)])
 

@@ -11,6 +11,7 @@ from tests.c.support import run
 from tests.support import THOROUGH, large
 
 
+@pytest.mark.usefixtures("in_turns")
 def test_threads_agree_bit_by_bit(robot: str, compiler: str, build: Build, full: bool) -> None:
     run([build("threads.c", robot, compiler, "-O1", "-pthread")])
 

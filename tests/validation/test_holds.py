@@ -8,21 +8,28 @@ import pytest
 
 from krhpr.validation.check import Kind
 from krhpr.validation.outcome import State
+from tests.support import cover
 from tests.validation.support import IDENTIFIERS, carried_out, failures, planned
+
+COVER = cover(IDENTIFIERS)
 
 
 @cache
-def first_robots(kind: Kind) -> dict[tuple[str, ...], str]:
-    """The robot at which a check that several share is carried out."""
-    return {
-        check.once: identifier for identifier in reversed(IDENTIFIERS) for check in planned(identifier, kind)
-    }
+def first_robots(kind: Kind, full: bool) -> dict[tuple[str, ...], str]:
+    """The robot at which a check that several share is carried out: one of `COVER` in small samples."""
+    order = IDENTIFIERS if full else [*COVER, *(name for name in IDENTIFIERS if name not in COVER)]
+    return {check.once: identifier for identifier in reversed(order) for check in planned(identifier, kind)}
 
 
 @pytest.mark.parametrize("kind", [kind for kind in Kind if kind is not Kind.PROOF])
 @pytest.mark.parametrize("identifier", IDENTIFIERS)
 def test_the_plan_holds(identifier: str, kind: Kind, full: bool) -> None:
-    first = first_robots(kind)
+    """Every kernel and every template is among the functions of `COVER`; what other robots print of them is
+    compared with the derivation in doubles, and in every other way with large samples.
+    """
+    if not full and identifier not in COVER and kind not in (Kind.AGREEMENT, Kind.REFERENCE):
+        pytest.skip("small samples: one robot of each sub-leg")
+    first = first_robots(kind, full)
     checks = [check for check in planned(identifier, kind) if first[check.once] == identifier]
     results = carried_out(identifier, list(checks), full)
     assert not failures(results)
