@@ -66,7 +66,7 @@ static inline double krhpr_roots_crossing(int n, const krhpr_roots_interval *her
     const double *b = here->b;
     const int rising = here->ends[1] > 0;
     int last = n;
-    for (int i = n - 1; i > 0; --i) {
+    for (int i = n - 1; i >= 1; --i) {
         last = (b[i] > 0.0) == rising ? i : last;
     }
     return ((double)(last - 1) + b[last - 1] / (b[last - 1] - b[last])) / (double)n;

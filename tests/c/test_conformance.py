@@ -25,7 +25,7 @@ LOOP = re.compile(
     r"for \((?:int|ptrdiff_t) (\w+) = \w+(?: - 1)?; "
     r"(?:\1 <=? (?:\d+|KRHPR_LANES|KRHPR_ROOTS_INTERVALS|n|n - pass|roots|\(ptrdiff_t\)count)"
     r"(?: && !\(change\[[i0]\] <= [\de.-]+\)| && size > 0)?; (?:\+\+\1|\1 \+= KRHPR_LANES)"
-    r"|\1 >= (?:0|pass); --\1)\)"
+    r"|\1 >= (?:0|1|pass); --\1)\)"
 )
 FORBIDDEN = re.compile(
     r"\b(while|goto|setjmp|longjmp|alloca|malloc|calloc|realloc|free|pow|volatile|extern(?! \"C\"))\b"
