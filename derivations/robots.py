@@ -105,8 +105,7 @@ class _Functions(ForwardFunctions):
         yield self._passive_joints_of_theta()
         yield self._forward_encoders(2)
         yield self._forward_encoders(3)
-        if not self.robot.platform.closed_forward:
-            yield self._forward_gauss_newton(2)
+        yield self._forward_gauss_newton(2)
         yield self._forward_gauss_newton(3)
 
     # -- position -------------------------------------------------------------------------------------------

@@ -133,7 +133,7 @@ class ForwardKinematics(Calls):
     ) -> Any:
         """(p, Q, raw, mismatch) by Gauss-Newton with two or three encoders: approaches six and seven.
 
-        `weights` (..., 3) multiply the residuals of s_i = p + Q d_i (1/m), of the third link's length (1/m),
+        `weights` (..., 3) multiply the residuals of s_i = p + Q d_i (1/m), of the third leg's tie (1/m),
         and of Q^T Q = 1: the result depends on them, and they are 1000 each unless given.
         """
         function = f"forward_gauss_newton_{self._count(measured)}"

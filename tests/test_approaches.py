@@ -206,10 +206,8 @@ def test_encoders_give_the_pose(identifier: str, backend: str) -> None:
     p, Q, redundant = random_poses(robot, 400, seed=8)
     s = robot.end_points(p, Q, redundant)
     for count in (2, 3):
-        answers = [robot.forward_encoders(s, redundant[:, :count])]
-        if count == 3 or len(robot.box):
-            answers.append(robot.forward_gauss_newton(s, redundant[:, :count]))
-        for found in answers:
+        for approach in (robot.forward_encoders, robot.forward_gauss_newton):
+            found = approach(s, redundant[:, :count])
             assert np.abs(found.p - p).max() < 1e-9
             assert apart(robot, found[1], Q).max() < 1e-9
             assert np.abs(found.mismatch).max() < 1e-12
@@ -253,9 +251,10 @@ def test_the_example_of_the_thesis(backend: str) -> None:
 
 
 @pytest.mark.parametrize("count", [2, 3])
-def test_least_squares_are_least(count: int, backend: str) -> None:
+@pytest.mark.parametrize("arrangement", "abc")
+def test_least_squares_are_least(arrangement: str, count: int, backend: str) -> None:
     """The gradient of the sum of squares, in all nine unknowns of (3.7), is zero at the answer."""
-    robot = krhpr.load("spatial_rrr_a", backend=backend)
+    robot = krhpr.load(f"spatial_rrr_{arrangement}", backend=backend)
     p, Q, redundant = random_poses(robot, 40, seed=10)
     s = robot.end_points(p, Q, redundant)
     rng = np.random.default_rng(11)
@@ -264,11 +263,11 @@ def test_least_squares_are_least(count: int, backend: str) -> None:
     for weights in ((1000.0, 1000.0, 1000.0), (1000.0, 1e5, 1.0), (10.0, 3.0, 400.0)):
         found = robot.forward_gauss_newton(s, measured, weights=weights)
         simple = robot.forward_encoders(s, measured)
-        b = np.pad(_anchors(robot), ((0, 0), (0, 1)))
         for k in range(40):
             ends = robot.end_points((0, 0, 0), np.eye(3), np.pad(measured[k], (0, 3 - count)))
             q_z = _axes(s[k])[:, 2]
-            wrong = _sum_of_squares(s[k], b, ends[:count], q_z, weights, robot.geometry.l_r[2])
+            tie = _tie(robot, s[k, 2], q_z) if count == 2 else None
+            wrong = _sum_of_squares(s[k], ends[:count], q_z, weights, tie)
             x = np.concatenate([found.raw[k][:, 0], found.raw[k][:, 1], found.p[k]])
             slope, scale = wrong(x)
             assert np.abs(slope).max() < 1e-8 * scale
@@ -276,13 +275,34 @@ def test_least_squares_are_least(count: int, backend: str) -> None:
         assert np.abs(found.p - simple.p).max() < 0.02
 
 
-def _sum_of_squares(s: Any, b: Any, ends: Any, q_z: Any, weights: Any, length: float) -> Any:
+def _tie(robot: krhpr.Robot, s_3: Any, q_z: Any) -> Any:
+    """By how much S_3 misses the end of its link, or the line of its slide."""
+    if len(robot.box):
+        b, length = _anchors(robot)[2], robot.geometry.l_r[2]
+
+        def link(p: Any, q_x: Any, q_y: Any) -> float:
+            a = p + q_x * b[0] + q_y * b[1] - s_3
+            return float((a @ a - length**2) / (2 * length))
+
+        return link
+    start, end = (robot.end_points((0, 0, 0), np.eye(3), (d, d, d))[2] for d in (0.0, 1.0))
+
+    def slide(p: Any, q_x: Any, q_y: Any) -> float:
+        from_start, along = (
+            s_3 - p - q_x * start[0] - q_y * start[1],
+            q_x * (end - start)[0] + q_y * (end - start)[1],
+        )
+        return float(q_z @ np.cross(along, from_start))
+
+    return slide
+
+
+def _sum_of_squares(s: Any, ends: Any, q_z: Any, weights: Any, tie: Any) -> Any:
     def residual(x: Any) -> Any:
         q_x, q_y, p = x[:3], x[3:6], x[6:]
         parts = [weights[0] * (s[i] - p - q_x * d[0] - q_y * d[1]) for i, d in enumerate(ends)]
-        if len(ends) == 2:
-            a = p + q_x * b[2, 0] + q_y * b[2, 1] - s[2]
-            parts.append([weights[1] * (a @ a - length**2) / (2 * length)])
+        if tie is not None:
+            parts.append([weights[1] * tie(p, q_x, q_y)])
         parts.append(
             [weights[0] * (s[0] - p) @ q_z, weights[2] * (q_x @ q_x - 1), weights[2] * (q_y @ q_y - 1)]
         )

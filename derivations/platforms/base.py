@@ -113,6 +113,14 @@ class Platform(ABC):
     def hold(self, k: KernelWriter, count: int) -> Hold:
         """What encoders at the first `count` legs tell, from the legs' ties and from what is measured."""
 
+    @abstractmethod
+    def tie_residual(self, k: KernelWriter, state: Any, point: Any) -> tuple[list[Any], Any]:
+        """By how much the third leg's end point misses its tie to the platform (m), and its derivatives.
+
+        `state` is U column by column and p, `point` is S_3, all in the platform's plane as
+        `platforms/encoders.py` has them.
+        """
+
     # -- what follows ---------------------------------------------------------------------------------------
 
     def ports(self) -> PlatformPorts:

@@ -5,9 +5,9 @@ platform's plane, with r_i = s_i - s_1 and U the first two columns of Q there:
 
 * one encoder: |U (b_2 - d_1) - r_2| = l_2 has two solutions for phi, and l_3 tells which fits, (3.13);
 * two: U d_12 = r_2, (3.24); three: U d_12 = r_2 and U d_13 = r_3, (3.30), for U of any form;
-* Gauss-Newton, (3.32): the least squares of s_i = p + U d_i, of the third link's length where there is no
-  third encoder, and of U^T U = 1, with a weight for each kind.  Out of the plane all residuals are zero, so
-  that six of the nine unknowns are left.
+* Gauss-Newton, (3.32): the least squares of s_i = p + U d_i, of the third leg's tie (its link's length, or
+  that S_3 is on its slide) where there is no third encoder, and of U^T U = 1, with a weight for each kind.
+  Out of the plane all residuals are zero, so that six of the nine unknowns are left.
 
 With errors in the encoders U is not a rotation; it is made one as by (3.34) to (3.36), q_x first.  Slides are
 encoders of arrangements (b) and (c) just the same.
@@ -55,7 +55,7 @@ WEIGHTS = Port(
     (3,),
     Unit.MIXED,
     Frame.NONE,
-    "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1",
+    "of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1",
 )
 STATE = Port("state", (6,), Unit.MIXED, Frame.NONE, "U column by column, and p in the plane, from S_1")
 LINEAR = replace(STATE, name="linear", doc=f"{STATE.doc}: by linear equations")
@@ -93,11 +93,13 @@ def encoder_kernels(plate: Platform) -> tuple[Kernel, ...]:
     kernels = []
     if plate.ports().redundant.unit is Unit.RADIAN:
         kernels += [_arm(plate), *(_turns(plate, count) for count in (1, 2, 3))]
-        kernels += [_one(plate), _several(plate, 2), _several(plate, 3)]
-        kernels += [_step(plate, 2), _step(plate, 3)]
-    else:
-        kernels += [_several(plate, 2), _several(plate, 3), _step(plate, 3)]
-    return (*kernels, _pose(plate))
+        kernels.append(_one(plate))
+    return (
+        *kernels,
+        *(_several(plate, count) for count in (2, 3)),
+        *(_step(plate, count) for count in (2, 3)),
+        _pose(plate),
+    )
 
 
 def _arm(plate: Platform) -> Kernel:
@@ -127,6 +129,20 @@ def hold_by_angles(k: KernelWriter, count: int) -> Hold:
     ]
     order = cross2(anchors[1] - anchors[0], anchors[2] - anchors[0])
     return Hold(order, tuple(ends), tuple(anchors), tuple(lengths))
+
+
+def length_residual(k: KernelWriter, state: Any, point: Any) -> tuple[list[Any], Any]:
+    """Arrangement (a): (|S_3 B_3|^2 - l_3^2) / (2 l_3), which is the link's error but for its square."""
+    b, length = all_legs(k, ANCHOR)[2], all_legs(k, LENGTH)[2]
+    U, p = columns(state)
+    a_3 = k.let("a_3", p + U * b - point, "S_3 to B_3")
+    row = [a_3[0] * b[0], a_3[1] * b[0], a_3[0] * b[1], a_3[1] * b[1], a_3[0], a_3[1]]
+    return [entry / length for entry in row], (dot(a_3, a_3) - length**2) / (2 * length)
+
+
+def columns(state: Any) -> tuple[sp.Matrix, sp.Matrix]:
+    """U and p of a state."""
+    return sp.Matrix([[state[0], state[2]], [state[1], state[3]]]), state[4:6, 0]
 
 
 def _one(plate: Platform) -> Kernel:
@@ -221,7 +237,7 @@ def _step(plate: Platform, count: int) -> Kernel:
     )
     state, weights = k.add_input(STATE), k.add_input(WEIGHTS)
     points, whole = _rows(k, POINTS), _rows(k, _ends_port(count))
-    U, p = sp.Matrix([[state[0], state[2]], [state[1], state[3]]]), state[4:6, 0]
+    U, p = columns(state)
     rows: list[list[Any]] = []
     values: list[Any] = []
     for i in range(count):
@@ -233,11 +249,9 @@ def _step(plate: Platform, count: int) -> Kernel:
             rows.append([weights[0] * entry for entry in row])
             values.append(weights[0] * miss[axis])
     if count == 2:
-        b, length = all_legs(k, ANCHOR)[2], all_legs(k, LENGTH)[2]
-        a_3 = k.let("a_3", p + U * b - points[2], "S_3 to B_3")
-        row = [a_3[0] * b[0], a_3[1] * b[0], a_3[0] * b[1], a_3[1] * b[1], a_3[0], a_3[1]]
-        rows.append([weights[1] * entry / length for entry in row])
-        values.append(weights[1] * (dot(a_3, a_3) - length**2) / (2 * length))
+        row, value = plate.tie_residual(k, state, points[2])
+        rows.append([weights[1] * entry for entry in row])
+        values.append(weights[1] * value)
     x, y = U.col(0), U.col(1)
     zero = sp.Integer(0)
     rows += [

@@ -166,6 +166,19 @@ class SlidePlatform(Platform):
             order, tuple(k.let(f"e_{i + 1}", end, "S_i in the platform frame") for i, end in enumerate(ends))
         )
 
+    def tie_residual(self, k: KernelWriter, state: Any, point: Any) -> tuple[list[Any], Any]:
+        """The distance of S_3 from its slide: U t_3 x (s_3 - p - U m_3)."""
+        t = all_legs(k, SLIDE)[2]
+        m = sp.zeros(2, 1)
+        if self.offset:
+            m = k.let("m_3", all_legs(k, DISTANCE)[2] * self._across(t), "where the slide is closest to O'")
+        U, p = encoders.columns(state)
+        w = k.let("w_3", U * t, "along the slide")
+        a = k.let("a_3", point - p - U * m, "from there to S_3")
+        row = [t[0] * a[1] + m[0] * w[1], -t[0] * a[0] - m[0] * w[0]]
+        row += [t[1] * a[1] + m[1] * w[1], -t[1] * a[0] - m[1] * w[0]]
+        return [*row, w[1], -w[0]], cross2(w, a)
+
     def _tie(self) -> Kernel:
         k = KernelWriter(
             "tie",

@@ -161,3 +161,6 @@ class SpatialA(Platform):
 
     def hold(self, k: KernelWriter, count: int) -> Hold:
         return encoders.hold_by_angles(k, count)
+
+    def tie_residual(self, k: KernelWriter, state: Any, point: Any) -> tuple[list[Any], Any]:
+        return encoders.length_residual(k, state, point)

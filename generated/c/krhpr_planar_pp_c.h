@@ -482,11 +482,31 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_3_batch(
     const krhpr_planar_pp_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 
+/* The pose with encoders at two redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     measured (2, m, joint frame): redundant coordinates measured at legs 1 to 2
+ *   in     tolerance (scalar, m): by how much encoders and end points may disagree
+ *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1
+ *   out    p (2, m, base frame): position of O'
+ *   out    phi (scalar, rad, base frame): orientation, base from platform
+ *   out    raw (2 x 2, base frame): orientation as the equations give it
+ *   out    mismatch (1, m): |S_i S_j| less what encoders say, for the legs 12 [12]
+ */
+KRHPR_API int krhpr_planar_pp_c_forward_gauss_newton_2(
+    const krhpr_planar_pp_c_geometry *g, const double s[6], const double measured[2], double tolerance,
+    const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
+/* Batch: in = s (6), measured (2), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
+ * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+KRHPR_API int krhpr_planar_pp_c_forward_gauss_newton_2_batch(
+    const krhpr_planar_pp_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+
 /* The pose with encoders at three redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
  *   in     measured (3, m, joint frame): redundant coordinates measured at legs 1 to 3
  *   in     tolerance (scalar, m): by how much encoders and end points may disagree
- *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1
+ *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1
  *   out    p (2, m, base frame): position of O'
  *   out    phi (scalar, rad, base frame): orientation, base from platform
  *   out    raw (2 x 2, base frame): orientation as the equations give it

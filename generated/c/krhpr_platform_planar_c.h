@@ -496,6 +496,125 @@ static inline void krhpr_platform_planar_c_three_encoders(
     agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
+/* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (155 add, 255 multiply, 7
+ * divide) */
+static inline void krhpr_platform_planar_c_gauss_newton_2(
+    const double state[6], const double weights[3], const double points[6], const double ends[4],
+    const double slide[6], double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
+    const double f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
+    const double f_2_0 = state[4] + state[0] * ends[2] + state[2] * ends[3] - points[2];
+    const double f_2_1 = state[5] + state[1] * ends[2] + state[3] * ends[3] - points[3];
+    const double w_3_0 = state[0] * slide[4] + state[2] * slide[5]; /* along the slide */
+    const double w_3_1 = state[1] * slide[4] + state[3] * slide[5];
+    const double a_3_0 = points[4] - state[4]; /* from there to S_3 */
+    const double a_3_1 = points[5] - state[5];
+    const double J_00 = weights[0] * ends[0];
+    const double J_02 = weights[0] * ends[1];
+    const double J_20 = weights[0] * ends[2];
+    const double J_22 = weights[0] * ends[3];
+    const double J_40 = weights[1] * (slide[4] * a_3_1);
+    const double t1 = state[4] - points[4];
+    const double J_41 = weights[1] * (slide[4] * t1);
+    const double J_42 = weights[1] * (slide[5] * a_3_1);
+    const double J_43 = weights[1] * (slide[5] * t1);
+    const double J_44 = weights[1] * w_3_1;
+    const double t2 = weights[1] * w_3_0;
+    const double J_50 = weights[2] * (state[0] * 2.0);
+    const double J_51 = weights[2] * (state[1] * 2.0);
+    const double J_62 = weights[2] * (state[2] * 2.0);
+    const double J_63 = weights[2] * (state[3] * 2.0);
+    const double J_70 = state[2] * weights[2];
+    const double J_71 = state[3] * weights[2];
+    const double J_72 = state[0] * weights[2];
+    const double J_73 = state[1] * weights[2];
+    const double r_0 = weights[0] * f_1_0;
+    const double r_1 = weights[0] * f_1_1;
+    const double r_2 = weights[0] * f_2_0;
+    const double r_3 = weights[0] * f_2_1;
+    const double r_4 = weights[1] * (w_3_0 * a_3_1 - w_3_1 * a_3_0);
+    const double r_5 = weights[2] * (state[0] * state[0] + state[1] * state[1] - 1.0);
+    const double r_6 = weights[2] * (state[2] * state[2] + state[3] * state[3] - 1.0);
+    const double r_7 = weights[2] * (state[0] * state[2] + state[1] * state[3]);
+    const double t3 = J_00 * J_00 + J_20 * J_20;
+    const double N_00 = t3 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70;
+    const double N_10 = J_40 * J_41 + J_50 * J_51 + J_70 * J_71;
+    const double N_11 = t3 + J_41 * J_41 + J_51 * J_51 + J_71 * J_71;
+    const double t4 = J_00 * J_02 + J_20 * J_22;
+    const double N_20 = t4 + J_40 * J_42 + J_70 * J_72;
+    const double N_21 = J_41 * J_42 + J_71 * J_72;
+    const double t5 = J_02 * J_02 + J_22 * J_22;
+    const double N_22 = t5 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72;
+    const double N_30 = J_40 * J_43 + J_70 * J_73;
+    const double N_31 = t4 + J_41 * J_43 + J_71 * J_73;
+    const double N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73;
+    const double N_33 = t5 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73;
+    const double t6 = weights[0] * J_00 + weights[0] * J_20;
+    const double N_40 = t6 + J_40 * J_44;
+    const double N_41 = J_41 * J_44;
+    const double t7 = weights[0] * J_02 + weights[0] * J_22;
+    const double N_42 = t7 + J_42 * J_44;
+    const double N_43 = J_43 * J_44;
+    const double t8 = 2.0 * (weights[0] * weights[0]);
+    const double N_44 = J_44 * J_44 + t8;
+    const double N_51 = t6 - J_41 * t2;
+    const double N_53 = t7 - J_43 * t2;
+    const double N_55 = t8 + t2 * t2;
+    const double t9 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double t10 = J_40 * t2 * E_0;
+    const double D_1 = N_11 - N_00 * (L_10 * L_10);
+    const double E_1 = 1.0 / D_1;
+    const double L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20));
+    const double L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30));
+    const double L_41 = E_1 * (N_41 - N_00 * (L_10 * L_40));
+    const double L_51 = E_1 * (N_51 + N_00 * (L_10 * t10));
+    const double D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20);
+    const double E_2 = 1.0 / D_2;
+    const double t11 = D_1 * L_21;
+    const double L_32 = E_2 * (N_32 - L_31 * t11 - N_00 * (L_20 * L_30));
+    const double L_42 = E_2 * (N_42 - L_41 * t11 - N_00 * (L_20 * L_40));
+    const double L_52 = E_2 * (N_00 * (L_20 * t10) - (J_42 * t2 + L_51 * t11));
+    const double D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30);
+    const double E_3 = 1.0 / D_3;
+    const double t12 = D_1 * L_31;
+    const double t13 = D_2 * L_32;
+    const double L_43 = E_3 * (N_43 - L_41 * t12 - L_42 * t13 - N_00 * (L_30 * L_40));
+    const double L_53 = E_3 * (N_53 - L_51 * t12 - L_52 * t13 + N_00 * (L_30 * t10));
+    const double D_4 = N_44 - D_1 * (L_41 * L_41) - D_2 * (L_42 * L_42) - D_3 * (L_43 * L_43) - N_00 * (L_40 * L_40);
+    const double E_4 = 1.0 / D_4;
+    const double t14 = N_00 * (L_40 * t10) - (J_44 * t2 + L_51 * (D_1 * L_41) + L_52 * (D_2 * L_42) + L_53 * (D_3 * L_43));
+    const double L_54 = E_4 * t14;
+    const double t15 = N_55 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54);
+    const double D_5 = t15 - N_00 * (t10 * t10);
+    const double y_1 = t9 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_41 * r_4 + J_51 * r_5 + J_71 * r_7);
+    const double y_2 = t9 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1;
+    const double t16 = t9 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1;
+    const double y_3 = t16 - L_32 * y_2;
+    const double t17 = t9 * L_40 - (J_44 * r_4 + weights[0] * r_0 + weights[0] * r_2) - L_41 * y_1 - L_42 * y_2;
+    const double y_4 = t17 - L_43 * y_3;
+    const double t18 = weights[0] * r_1 - t2 * r_4 + weights[0] * r_3 + t9 * t10 + L_51 * y_1 + L_52 * y_2;
+    const double t19 = (t18 + L_53 * y_3 + L_54 * y_4) / D_5;
+    const double x_4 = E_4 * y_4 + L_54 * t19;
+    const double x_3 = E_3 * y_3 - L_43 * x_4 + L_53 * t19;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t19;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 - L_41 * x_4 + L_51 * t19;
+    const double t20 = t9 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + t10 * t19;
+    const double size = ends[0] * ends[0] + ends[1] * ends[1] + ends[2] * ends[2] + ends[3] * ends[3];
+    state_next[0] = state[0] - t20;
+    state_next[1] = state[1] + x_1;
+    state_next[2] = state[2] + x_2;
+    state_next[3] = state[3] + x_3;
+    state_next[4] = state[4] + x_4;
+    state_next[5] = state[5] - t19;
+    change[0] = t20 * t20 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t19 * t19) / size;
+}
+
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
 static inline void krhpr_platform_planar_c_gauss_newton_3(

@@ -808,6 +808,126 @@ static inline void krhpr_platform_spatial_b_three_encoders(
     agreement[0] = tolerance - krhpr_max(krhpr_max(fabs(gap_0), fabs(gap_1)), fabs(gap_2));
 }
 
+/* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (162 add, 265 multiply, 7
+ * divide) */
+static inline void krhpr_platform_spatial_b_gauss_newton_2(
+    const double state[6], const double weights[3], const double points[6], const double ends[4],
+    const double slide[6], const double distance[3], double *KRHPR_RESTRICT state_next,
+    double *KRHPR_RESTRICT change)
+{
+    const double f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
+    const double f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
+    const double f_2_0 = state[4] + state[0] * ends[2] + state[2] * ends[3] - points[2];
+    const double f_2_1 = state[5] + state[1] * ends[2] + state[3] * ends[3] - points[3];
+    const double m_3_0 = slide[5] * distance[2]; /* where the slide is closest to O' */
+    const double t1 = slide[4] * distance[2];
+    const double w_3_0 = state[0] * slide[4] + state[2] * slide[5]; /* along the slide */
+    const double w_3_1 = state[1] * slide[4] + state[3] * slide[5];
+    const double a_3_0 = points[4] - state[4] - state[0] * m_3_0 + state[2] * t1; /* from there to S_3 */
+    const double a_3_1 = points[5] - state[5] - state[1] * m_3_0 + state[3] * t1;
+    const double J_00 = weights[0] * ends[0];
+    const double J_02 = weights[0] * ends[1];
+    const double J_20 = weights[0] * ends[2];
+    const double J_22 = weights[0] * ends[3];
+    const double J_40 = weights[1] * (slide[4] * a_3_1 + m_3_0 * w_3_1);
+    const double t2 = weights[1] * (slide[4] * a_3_0 + m_3_0 * w_3_0);
+    const double J_42 = weights[1] * (slide[5] * a_3_1 - t1 * w_3_1);
+    const double J_43 = weights[1] * (t1 * w_3_0 - slide[5] * a_3_0);
+    const double J_44 = weights[1] * w_3_1;
+    const double t3 = weights[1] * w_3_0;
+    const double J_50 = weights[2] * (state[0] * 2.0);
+    const double J_51 = weights[2] * (state[1] * 2.0);
+    const double J_62 = weights[2] * (state[2] * 2.0);
+    const double J_63 = weights[2] * (state[3] * 2.0);
+    const double J_70 = state[2] * weights[2];
+    const double J_71 = state[3] * weights[2];
+    const double J_72 = state[0] * weights[2];
+    const double J_73 = state[1] * weights[2];
+    const double r_0 = weights[0] * f_1_0;
+    const double r_1 = weights[0] * f_1_1;
+    const double r_2 = weights[0] * f_2_0;
+    const double r_3 = weights[0] * f_2_1;
+    const double r_4 = weights[1] * (w_3_0 * a_3_1 - w_3_1 * a_3_0);
+    const double r_5 = weights[2] * (state[0] * state[0] + state[1] * state[1] - 1.0);
+    const double r_6 = weights[2] * (state[2] * state[2] + state[3] * state[3] - 1.0);
+    const double r_7 = weights[2] * (state[0] * state[2] + state[1] * state[3]);
+    const double t4 = J_00 * J_00 + J_20 * J_20;
+    const double N_00 = t4 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70;
+    const double N_10 = J_50 * J_51 - J_40 * t2 + J_70 * J_71;
+    const double N_11 = t4 + t2 * t2 + J_51 * J_51 + J_71 * J_71;
+    const double t5 = J_00 * J_02 + J_20 * J_22;
+    const double N_20 = t5 + J_40 * J_42 + J_70 * J_72;
+    const double N_21 = J_71 * J_72 - t2 * J_42;
+    const double t6 = J_02 * J_02 + J_22 * J_22;
+    const double N_22 = t6 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72;
+    const double N_30 = J_40 * J_43 + J_70 * J_73;
+    const double N_31 = t5 - t2 * J_43 + J_71 * J_73;
+    const double N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73;
+    const double N_33 = t6 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73;
+    const double t7 = weights[0] * J_00 + weights[0] * J_20;
+    const double N_40 = t7 + J_40 * J_44;
+    const double t8 = weights[0] * J_02 + weights[0] * J_22;
+    const double N_42 = t8 + J_42 * J_44;
+    const double N_43 = J_43 * J_44;
+    const double t9 = 2.0 * (weights[0] * weights[0]);
+    const double N_44 = J_44 * J_44 + t9;
+    const double N_51 = t7 + t2 * t3;
+    const double N_53 = t8 - J_43 * t3;
+    const double N_55 = t9 + t3 * t3;
+    const double t10 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7;
+    const double E_0 = 1.0 / N_00;
+    const double L_10 = N_10 * E_0;
+    const double L_20 = N_20 * E_0;
+    const double L_30 = N_30 * E_0;
+    const double L_40 = N_40 * E_0;
+    const double t11 = J_40 * t3 * E_0;
+    const double D_1 = N_11 - N_00 * (L_10 * L_10);
+    const double E_1 = 1.0 / D_1;
+    const double L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20));
+    const double L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30));
+    const double t12 = E_1 * (t2 * J_44 + N_00 * (L_10 * L_40));
+    const double L_51 = E_1 * (N_51 + N_00 * (L_10 * t11));
+    const double D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20);
+    const double E_2 = 1.0 / D_2;
+    const double t13 = D_1 * L_21;
+    const double L_32 = E_2 * (N_32 - L_31 * t13 - N_00 * (L_20 * L_30));
+    const double L_42 = E_2 * (N_42 + t12 * t13 - N_00 * (L_20 * L_40));
+    const double L_52 = E_2 * (N_00 * (L_20 * t11) - (J_42 * t3 + L_51 * t13));
+    const double D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30);
+    const double E_3 = 1.0 / D_3;
+    const double t14 = D_1 * L_31;
+    const double t15 = D_2 * L_32;
+    const double L_43 = E_3 * (N_43 + t12 * t14 - L_42 * t15 - N_00 * (L_30 * L_40));
+    const double L_53 = E_3 * (N_53 - L_51 * t14 - L_52 * t15 + N_00 * (L_30 * t11));
+    const double D_4 = N_44 - D_1 * (t12 * t12) - D_2 * (L_42 * L_42) - D_3 * (L_43 * L_43) - N_00 * (L_40 * L_40);
+    const double E_4 = 1.0 / D_4;
+    const double t16 = L_51 * (D_1 * t12) - J_44 * t3 - L_52 * (D_2 * L_42) - L_53 * (D_3 * L_43) + N_00 * (L_40 * t11);
+    const double L_54 = E_4 * t16;
+    const double t17 = N_55 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54);
+    const double D_5 = t17 - N_00 * (t11 * t11);
+    const double y_1 = t10 * L_10 - (J_00 * r_1 + J_20 * r_3 - t2 * r_4 + J_51 * r_5 + J_71 * r_7);
+    const double y_2 = t10 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1;
+    const double t18 = t10 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1;
+    const double y_3 = t18 - L_32 * y_2;
+    const double t19 = t10 * L_40 - (J_44 * r_4 + weights[0] * r_0 + weights[0] * r_2) + t12 * y_1 - L_42 * y_2;
+    const double y_4 = t19 - L_43 * y_3;
+    const double t20 = weights[0] * r_1 - t3 * r_4 + weights[0] * r_3 + t10 * t11 + L_51 * y_1 + L_52 * y_2;
+    const double t21 = (t20 + L_53 * y_3 + L_54 * y_4) / D_5;
+    const double x_4 = E_4 * y_4 + L_54 * t21;
+    const double x_3 = E_3 * y_3 - L_43 * x_4 + L_53 * t21;
+    const double x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t21;
+    const double x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 + t12 * x_4 + L_51 * t21;
+    const double t22 = t10 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + t11 * t21;
+    const double size = ends[0] * ends[0] + ends[1] * ends[1] + ends[2] * ends[2] + ends[3] * ends[3];
+    state_next[0] = state[0] - t22;
+    state_next[1] = state[1] + x_1;
+    state_next[2] = state[2] + x_2;
+    state_next[3] = state[3] + x_3;
+    state_next[4] = state[4] + x_4;
+    state_next[5] = state[5] - t21;
+    change[0] = t22 * t22 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t21 * t21) / size;
+}
+
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
 static inline void krhpr_platform_spatial_b_gauss_newton_3(

@@ -626,7 +626,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     measured (2, rad, joint frame): redundant coordinates measured at legs 1 to 2
  *   in     tolerance (scalar, m): by how much encoders and end points may disagree
- *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1
+ *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    raw (3 x 3, base frame): orientation as the equations give it
@@ -647,7 +647,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2_batch(
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
  *   in     measured (3, rad, joint frame): redundant coordinates measured at legs 1 to 3
  *   in     tolerance (scalar, m): by how much encoders and end points may disagree
- *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1
+ *   in     weights (3, mixed): of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1
  *   out    p (3, m, base frame): position of O'
  *   out    Q (3 x 3, base frame): orientation, base from platform
  *   out    raw (3 x 3, base frame): orientation as the equations give it

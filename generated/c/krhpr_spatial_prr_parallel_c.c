@@ -1258,6 +1258,94 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2(
+    const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double measured[2],
+    double tolerance, const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
+    double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch)
+{
+    int status = KRHPR_OK;
+    double slide[6];
+    double flatness[1];
+    double points[6];
+    double axes[9];
+    double ends[4];
+    double spread[1];
+    double linear[6];
+    double agreement[1];
+    double state[6];
+    double change[1];
+    double direction[1];
+    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(raw, 9);
+        krhpr_fill_nan(mismatch, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_two_encoders(
+        s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
+    double state_at[6];
+    double state_on[6];
+    change[0] = (double)INFINITY;
+    for (int k = 0; k < 6; ++k) {
+        state_at[k] = (linear)[k];
+    }
+    for (int step = 0; step < 25 && !(change[0] <= 1e-24); ++step) {
+        krhpr_platform_spatial_c_gauss_newton_2(state_at, weights, points, ends, slide, state_on, change);
+        for (int k = 0; k < 6; ++k) {
+            state_at[k] = state_on[k];
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        (state)[k] = state_at[k];
+    }
+    krhpr_platform_spatial_c_encoder_pose(s, state, axes, direction, p, Q, raw);
+    if (!(flatness[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (!(spread[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(direction[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(agreement[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_INCONSISTENT : status;
+    }
+    if (!(change[0] <= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(raw, 9);
+        krhpr_fill_nan(mismatch, 1);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_prr_parallel_c_forward_gauss_newton_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double measured[3],
     double tolerance, const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,

@@ -905,6 +905,133 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     )
 
 
+def gauss_newton_2(state: Any, weights: Any, points: Any, ends: Any, slide: Any) -> tuple[Any, ...]:
+    """One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (155 add, 255
+    multiply, 7 divide)"""
+    state_0, state_1, state_2, state_3, state_4, state_5 = state
+    weights_0, weights_1, weights_2 = weights
+    points_00, points_01, points_10, points_11, points_20, points_21 = points
+    ends_00, ends_01, ends_10, ends_11 = ends
+    _slide_00, _slide_01, _slide_10, _slide_11, slide_20, slide_21 = slide
+    f_1_0 = state_4 + state_0 * ends_00 + state_2 * ends_01 - points_00  # of s_i = p + Q d_i
+    f_1_1 = state_5 + state_1 * ends_00 + state_3 * ends_01 - points_01
+    f_2_0 = state_4 + state_0 * ends_10 + state_2 * ends_11 - points_10
+    f_2_1 = state_5 + state_1 * ends_10 + state_3 * ends_11 - points_11
+    w_3_0 = state_0 * slide_20 + state_2 * slide_21  # along the slide
+    w_3_1 = state_1 * slide_20 + state_3 * slide_21
+    a_3_0 = points_20 - state_4  # from there to S_3
+    a_3_1 = points_21 - state_5
+    J_00 = weights_0 * ends_00
+    J_02 = weights_0 * ends_01
+    J_20 = weights_0 * ends_10
+    J_22 = weights_0 * ends_11
+    J_40 = weights_1 * (slide_20 * a_3_1)
+    t1 = state_4 - points_20
+    J_41 = weights_1 * (slide_20 * t1)
+    J_42 = weights_1 * (slide_21 * a_3_1)
+    J_43 = weights_1 * (slide_21 * t1)
+    J_44 = weights_1 * w_3_1
+    t2 = weights_1 * w_3_0
+    J_50 = weights_2 * (state_0 * 2)
+    J_51 = weights_2 * (state_1 * 2)
+    J_62 = weights_2 * (state_2 * 2)
+    J_63 = weights_2 * (state_3 * 2)
+    J_70 = state_2 * weights_2
+    J_71 = state_3 * weights_2
+    J_72 = state_0 * weights_2
+    J_73 = state_1 * weights_2
+    r_0 = weights_0 * f_1_0
+    r_1 = weights_0 * f_1_1
+    r_2 = weights_0 * f_2_0
+    r_3 = weights_0 * f_2_1
+    r_4 = weights_1 * (w_3_0 * a_3_1 - w_3_1 * a_3_0)
+    r_5 = weights_2 * (state_0 * state_0 + state_1 * state_1 - 1)
+    r_6 = weights_2 * (state_2 * state_2 + state_3 * state_3 - 1)
+    r_7 = weights_2 * (state_0 * state_2 + state_1 * state_3)
+    t3 = J_00 * J_00 + J_20 * J_20
+    N_00 = t3 + J_40 * J_40 + J_50 * J_50 + J_70 * J_70
+    N_10 = J_40 * J_41 + J_50 * J_51 + J_70 * J_71
+    N_11 = t3 + J_41 * J_41 + J_51 * J_51 + J_71 * J_71
+    t4 = J_00 * J_02 + J_20 * J_22
+    N_20 = t4 + J_40 * J_42 + J_70 * J_72
+    N_21 = J_41 * J_42 + J_71 * J_72
+    t5 = J_02 * J_02 + J_22 * J_22
+    N_22 = t5 + J_42 * J_42 + J_62 * J_62 + J_72 * J_72
+    N_30 = J_40 * J_43 + J_70 * J_73
+    N_31 = t4 + J_41 * J_43 + J_71 * J_73
+    N_32 = J_42 * J_43 + J_62 * J_63 + J_72 * J_73
+    N_33 = t5 + J_43 * J_43 + J_63 * J_63 + J_73 * J_73
+    t6 = weights_0 * J_00 + weights_0 * J_20
+    N_40 = t6 + J_40 * J_44
+    N_41 = J_41 * J_44
+    t7 = weights_0 * J_02 + weights_0 * J_22
+    N_42 = t7 + J_42 * J_44
+    N_43 = J_43 * J_44
+    t8 = 2 * (weights_0 * weights_0)
+    N_44 = J_44 * J_44 + t8
+    N_51 = t6 - J_41 * t2
+    N_53 = t7 - J_43 * t2
+    N_55 = t8 + t2 * t2
+    t9 = J_00 * r_0 + J_20 * r_2 + J_40 * r_4 + J_50 * r_5 + J_70 * r_7
+    E_0 = 1 / N_00
+    L_10 = N_10 * E_0
+    L_20 = N_20 * E_0
+    L_30 = N_30 * E_0
+    L_40 = N_40 * E_0
+    t10 = J_40 * t2 * E_0
+    D_1 = N_11 - N_00 * (L_10 * L_10)
+    E_1 = 1 / D_1
+    L_21 = E_1 * (N_21 - N_00 * (L_10 * L_20))
+    L_31 = E_1 * (N_31 - N_00 * (L_10 * L_30))
+    L_41 = E_1 * (N_41 - N_00 * (L_10 * L_40))
+    L_51 = E_1 * (N_51 + N_00 * (L_10 * t10))
+    D_2 = N_22 - D_1 * (L_21 * L_21) - N_00 * (L_20 * L_20)
+    E_2 = 1 / D_2
+    t11 = D_1 * L_21
+    L_32 = E_2 * (N_32 - L_31 * t11 - N_00 * (L_20 * L_30))
+    L_42 = E_2 * (N_42 - L_41 * t11 - N_00 * (L_20 * L_40))
+    L_52 = E_2 * (N_00 * (L_20 * t10) - (J_42 * t2 + L_51 * t11))
+    D_3 = N_33 - D_1 * (L_31 * L_31) - D_2 * (L_32 * L_32) - N_00 * (L_30 * L_30)
+    E_3 = 1 / D_3
+    t12 = D_1 * L_31
+    t13 = D_2 * L_32
+    L_43 = E_3 * (N_43 - L_41 * t12 - L_42 * t13 - N_00 * (L_30 * L_40))
+    L_53 = E_3 * (N_53 - L_51 * t12 - L_52 * t13 + N_00 * (L_30 * t10))
+    D_4 = N_44 - D_1 * (L_41 * L_41) - D_2 * (L_42 * L_42) - D_3 * (L_43 * L_43) - N_00 * (L_40 * L_40)
+    E_4 = 1 / D_4
+    t14 = N_00 * (L_40 * t10) - (J_44 * t2 + L_51 * (D_1 * L_41) + L_52 * (D_2 * L_42) + L_53 * (D_3 * L_43))
+    L_54 = E_4 * t14
+    t15 = N_55 - D_1 * (L_51 * L_51) - D_2 * (L_52 * L_52) - D_3 * (L_53 * L_53) - D_4 * (L_54 * L_54)
+    D_5 = t15 - N_00 * (t10 * t10)
+    y_1 = t9 * L_10 - (J_00 * r_1 + J_20 * r_3 + J_41 * r_4 + J_51 * r_5 + J_71 * r_7)
+    y_2 = t9 * L_20 - (J_02 * r_0 + J_22 * r_2 + J_42 * r_4 + J_62 * r_6 + J_72 * r_7) - L_21 * y_1
+    t16 = t9 * L_30 - (J_02 * r_1 + J_22 * r_3 + J_43 * r_4 + J_63 * r_6 + J_73 * r_7) - L_31 * y_1
+    y_3 = t16 - L_32 * y_2
+    t17 = t9 * L_40 - (J_44 * r_4 + weights_0 * r_0 + weights_0 * r_2) - L_41 * y_1 - L_42 * y_2
+    y_4 = t17 - L_43 * y_3
+    t18 = weights_0 * r_1 - t2 * r_4 + weights_0 * r_3 + t9 * t10 + L_51 * y_1 + L_52 * y_2
+    t19 = (t18 + L_53 * y_3 + L_54 * y_4) / D_5
+    x_4 = E_4 * y_4 + L_54 * t19
+    x_3 = E_3 * y_3 - L_43 * x_4 + L_53 * t19
+    x_2 = E_2 * y_2 - L_32 * x_3 - L_42 * x_4 + L_52 * t19
+    x_1 = E_1 * y_1 - L_21 * x_2 - L_31 * x_3 - L_41 * x_4 + L_51 * t19
+    t20 = t9 * E_0 + L_10 * x_1 + L_20 * x_2 + L_30 * x_3 + L_40 * x_4 + t10 * t19
+    size = ends_00 * ends_00 + ends_01 * ends_01 + ends_10 * ends_10 + ends_11 * ends_11
+    return (
+        (  # state_next
+            state_0 - t20,
+            state_1 + x_1,
+            state_2 + x_2,
+            state_3 + x_3,
+            state_4 + x_4,
+            state_5 - t19,
+        ),
+        (  # change
+            t20 * t20 + x_1 * x_1 + x_2 * x_2 + x_3 * x_3 + (x_4 * x_4 + t19 * t19) / size,
+        ),
+    )
+
+
 def gauss_newton_3(state: Any, weights: Any, points: Any, ends: Any) -> tuple[Any, ...]:
     """One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220
     multiply, 7 divide)"""

@@ -35,6 +35,7 @@ __all__ = [
     "forward_all",
     "forward_encoders_2",
     "forward_encoders_3",
+    "forward_gauss_newton_2",
     "forward_gauss_newton_3",
     "inverse",
     "inverse_all",
@@ -592,6 +593,24 @@ SIGNATURES = {
         ),
         "(3,2),(3),()->(2),(),(2,2),(3),()",
     ),
+    "forward_gauss_newton_2": rt.Signature(
+        "forward_gauss_newton_2",
+        "The pose with encoders at two redundant joints, by weighted least squares.",
+        "3.2.6, 3.3",
+        (
+            rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("measured", (2,), "m", "joint", "redundant coordinates measured at legs 1 to 2", "shared", ()),
+            rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1", "shared", ()),
+        ),
+        (
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("raw", (2, 2), "1", "base", "orientation as the equations give it", "shared", ()),
+            rt.Port("mismatch", (1,), "m", "-", "|S_i S_j| less what encoders say, for the legs 12", "shared", ("12", )),
+        ),
+        "(3,2),(2),(),(3)->(2),(),(2,2),(1),()",
+    ),
     "forward_gauss_newton_3": rt.Signature(
         "forward_gauss_newton_3",
         "The pose with encoders at three redundant joints, by weighted least squares.",
@@ -600,7 +619,7 @@ SIGNATURES = {
             rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
             rt.Port("measured", (3,), "m", "joint", "redundant coordinates measured at legs 1 to 3", "shared", ()),
             rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
-            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1", "shared", ()),
         ),
         (
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
@@ -700,6 +719,15 @@ class ForwardEncoders2(NamedTuple):
 
 class ForwardEncoders3(NamedTuple):
     """Results of `forward_encoders_3`."""
+
+    p: Any
+    phi: Any
+    raw: Any
+    mismatch: Any
+
+
+class ForwardGaussNewton2(NamedTuple):
+    """Results of `forward_gauss_newton_2`."""
 
     p: Any
     phi: Any
@@ -1739,6 +1767,61 @@ def forward_encoders_3(
     return (answer, results[-1]) if status else answer
 
 
+def forward_gauss_newton_2(
+    s: Any, measured: Any, tolerance: Any = None, weights: Any = None, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The pose with encoders at two redundant joints, by weighted least squares.
+
+    Thesis: 3.2.6, 3.3.
+
+    Args:
+        s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
+        measured (..., 2) [m]: redundant coordinates measured at legs 1 to 2
+        tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of
+            Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation, base from platform
+        raw (..., 2, 2) in the base frame: orientation as the equations give it
+        mismatch (..., 1) [m]: |S_i S_j| less what encoders say, for the legs 12 [12]
+    """
+    if tolerance is None:
+        tolerance = 0.02
+    if weights is None:
+        weights = (1000.0, 1000.0, 1000.0)
+    arguments = rt.Arguments(SIGNATURES["forward_gauss_newton_2"], (s, measured, tolerance, weights,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide, distance, start = platform.tie(g.platform)
+        points, ends, spread, linear, mismatch, agreement = platform.two_encoders(
+            arguments.whole("s"), arguments.whole("measured"), rt.legs(slide), rt.legs(distance),
+            rt.legs(start), arguments.whole("tolerance"))
+        state, change = rt.repeat(
+            lambda at: platform.gauss_newton_2(at, arguments.whole("weights"), points, ends, rt.legs(slide), rt.legs(distance)),
+            linear, 1e-24, 25)
+        direction, p, phi, raw = platform.encoder_pose(arguments.whole("s"), state)
+        results = arguments.finish(
+            {
+                "p": p,
+                "phi": phi,
+                "raw": raw,
+                "mismatch": mismatch,
+            },
+            (
+                rt.Guard(spread[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(direction[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(agreement[0], True, 0.0, Status.INCONSISTENT, False, ("p", "phi", "raw", "mismatch", )),
+                rt.Guard(change[0], False, 1e-24, Status.NO_CONVERGENCE, False, ("p", "phi", "raw", "mismatch", )),
+            ),
+        )
+    answer = ForwardGaussNewton2(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
 def forward_gauss_newton_3(
     s: Any, measured: Any, tolerance: Any = None, weights: Any = None, *,
     geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
@@ -1750,8 +1833,8 @@ def forward_gauss_newton_3(
         s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
         measured (..., 3) [m]: redundant coordinates measured at legs 1 to 3
         tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
-        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third link's length (1/m) and
-            of Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of
+            Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 

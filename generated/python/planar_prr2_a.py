@@ -634,7 +634,7 @@ SIGNATURES = {
             rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
             rt.Port("measured", (2,), "rad", "joint", "redundant coordinates measured at legs 1 to 2", "shared", ()),
             rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
-            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1", "shared", ()),
         ),
         (
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
@@ -652,7 +652,7 @@ SIGNATURES = {
             rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
             rt.Port("measured", (3,), "rad", "joint", "redundant coordinates measured at legs 1 to 3", "shared", ()),
             rt.Port("tolerance", (), "m", "-", "by how much encoders and end points may disagree", "shared", ()),
-            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third link's length (1/m) and of Q^T Q = 1", "shared", ()),
+            rt.Port("weights", (3,), "mixed", "-", "of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of Q^T Q = 1", "shared", ()),
         ),
         (
             rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
@@ -1948,8 +1948,8 @@ def forward_gauss_newton_2(
         s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
         measured (..., 2) [rad]: redundant coordinates measured at legs 1 to 2
         tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
-        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third link's length (1/m) and
-            of Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of
+            Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 
@@ -2005,8 +2005,8 @@ def forward_gauss_newton_3(
         s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
         measured (..., 3) [rad]: redundant coordinates measured at legs 1 to 3
         tolerance (...) [m]: by how much encoders and end points may disagree; 0.02 unless given
-        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third link's length (1/m) and
-            of Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
+        weights (..., 3) [mixed]: of s_i = p + Q d_i (1/m), of the third leg's tie (1/m) and of
+            Q^T Q = 1; (1000.0, 1000.0, 1000.0) unless given
         geometry: lengths and angles of the legs; the default sizes unless given.
         status: whether to return the status codes as well.
 

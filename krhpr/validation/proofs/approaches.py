@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
+from krhpr.derivations.platforms.slides import SlidePlatform
 from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
@@ -141,9 +142,7 @@ def least_squares(subject: Subject, check: Check, count: int) -> Measured:
                     turn, p = [[x[0], x[2]], [x[1], x[3]]], x[4:]
                     rows = [w[0] * (p[k] + dot(turn[k], d[i]) - r[i][k]) for i in range(n) for k in range(2)]
                     if n == 2:
-                        b, length = ties["anchor"][4:6], ties["length"][2]
-                        a = [p[k] + dot(turn[k], b) - r[2][k] for k in range(2)]
-                        rows.append(w[1] * (dot(a, a) - length * length) / (Ball(2) * length))
+                        rows.append(w[1] * _tie_residual(subject, ties, turn, p, r[2]))
                     x_axis, y_axis = x[0:2], x[2:4]
                     one = Ball(1)
                     rows += [
@@ -183,6 +182,29 @@ def least_squares(subject: Subject, check: Check, count: int) -> Measured:
                 found.equal(result["change"], [change], f"{name}: change")
             found.samples += 1
     return found
+
+
+def _tie_residual(
+    subject: Subject, ties: dict[str, Any], turn: list[list[Any]], p: list[Any], s: list[Any]
+) -> Any:
+    """By how much S_3 misses its tie: an error of the link's length, or a distance from the slide."""
+
+    def base(v: list[Any]) -> list[Any]:
+        return [dot(turn[k], v) for k in range(2)]
+
+    if "anchor" in ties:
+        length = ties["length"][2]
+        link = [a + b - c for a, b, c in zip(p, base(ties["anchor"][4:6]), s, strict=True)]
+        return (dot(link, link) - length * length) / (Ball(2) * length)
+    t = ties["slide"][4:6]
+    start = [Ball(0), Ball(0)]
+    platform = subject.platform
+    if isinstance(platform, SlidePlatform) and platform.offset:
+        hand = Ball(platform.handedness)
+        n = [-hand * t[1], hand * t[0]]
+        start = [ties["distance"][2] * a + ties["start"][2] * b for a, b in zip(n, t, strict=True)]
+    w, away = base(t), [a - b - c for a, b, c in zip(s, p, base(start), strict=True)]
+    return w[0] * away[1] - w[1] * away[0]
 
 
 def _vectors(source: Draw, count: int) -> list[list[Any]]:
