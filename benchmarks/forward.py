@@ -22,13 +22,15 @@ CORNERS = [[R_PLATFORM * leg.e_r[0], R_PLATFORM * leg.e_r[1]] for leg in LEGS]
 # -- W3 ------------------------------------------------------------------------------------------------------
 
 
-def every_solution(inputs: list[Any]) -> list[Any]:
+def every_solution(inputs: list[Any], roots: list[Any] | None = None) -> list[Any]:
     """Counts, positions, orientations and redundant angles, in the order of det J, 0 behind the last."""
     (s,) = inputs
+    if roots is None:
+        roots = [np.roots(sextic(points)) for points in s]
     n = len(s)
     found = [np.zeros((n, 1)), np.zeros((n, 6, 3)), np.zeros((n, 6, 3, 3)), np.zeros((n, 6, 3))]
     for k in range(n):
-        solutions = _solutions(s[k])
+        solutions = _solutions(s[k], roots[k])
         found[0][k] = len(solutions)
         for place, (_, *values) in enumerate(solutions):
             for array, value in zip(found[1:], values, strict=True):
@@ -44,8 +46,9 @@ def _plane(s: Any) -> tuple[Any, Any]:
     return axes, ((s - s[0]) @ axes)[:, :2]
 
 
-def _solutions(s: Any) -> list[tuple[Any, ...]]:
-    axes, r = _plane(s)
+def sextic(s: Any) -> Any:
+    """Coefficients in tan(phi/2), the highest power first."""
+    _, r = _plane(s)
     b = np.array(CORNERS, float)
     d = b - b[0]
 
@@ -61,16 +64,23 @@ def _solutions(s: Any) -> list[tuple[Any, ...]]:
     turned = np.linalg.det([d[1], r[2]]) + np.linalg.det([r[1], d[2]])
     D = linear(cross_d + cross_r, -turned, mixed)
     one = np.array([1.0, 0.0, 1.0])
-    sextic = np.convolve(np.convolve(z_2, z_3), z_23)
-    sextic = sextic - 4 * L_REDUNDANT**2 * np.convolve(np.convolve(D, D), one)
+    sixth = np.convolve(np.convolve(z_2, z_3), z_23)
+    return sixth - 4 * L_REDUNDANT**2 * np.convolve(np.convolve(D, D), one)
+
+
+def _solutions(s: Any, roots: Any) -> list[tuple[Any, ...]]:
+    axes, r = _plane(s)
+    b = np.array(CORNERS, float)
+    d = b - b[0]
+    polynomial = sextic(s)
     found = []
-    slope = np.polyder(sextic)
-    for root in np.roots(sextic):
+    slope = np.polyder(polynomial)
+    for root in roots:
         if abs(root.imag) > 1e-7 * (1 + abs(root.real)):
             continue
         T = root.real
         for _ in range(3):
-            T -= np.polyval(sextic, T) / np.polyval(slope, T)
+            T -= np.polyval(polynomial, T) / np.polyval(slope, T)
         phi = 2 * np.arctan(T)
         R = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
         z = d @ R.T - r

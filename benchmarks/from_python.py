@@ -18,7 +18,7 @@ from benchmarks.samples import draw, evaluate
 from benchmarks.workloads import Workload
 
 BATCH = 10_000
-KEYS = ("w1", "w2")
+KEYS = ("w1", "w2", "w3")
 CHUNK_NS = 400_000
 
 
@@ -69,9 +69,7 @@ def collect_contenders(
         from benchmarks import python_peers
     except ImportError as failure:
         return contenders, [*missing, Missing("CasADi, SymPy and NumPy from Python", str(failure))]
-    contenders += python_peers.casadi_contenders(workload, folder, tools)
-    contenders += python_peers.sympy_contenders(workload)
-    contenders += python_peers.hand_contenders(workload)
+    contenders += python_peers.contenders(workload, folder, tools)
     return contenders, missing
 
 

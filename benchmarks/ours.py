@@ -121,10 +121,13 @@ def _newton_step(function: RobotFunction) -> RobotFunction:
 
 def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
     """The same functions called from Python: generalized ufuncs, the robot's checked methods, pure NumPy."""
-    if workload.key not in ("w1", "w2"):
-        return []
     robot = krhpr.load(ROBOT[workload.key], backend="compiled")
     numpy_robot = krhpr.load(ROBOT[workload.key], backend="numpy")
+    if workload.key == "w3":
+        return [
+            PythonContender(OURS, variant, batch=partial(_every_solution, workload, of))
+            for variant, of in (("robot's method, checked", robot), ("pure NumPy module", numpy_robot))
+        ]
     gufunc = _gufunc(workload, robot)
     extra = [np.array(3 * [MODE_SIGNS])] if workload.key == "w2" else []
     outputs = [array.shape for array in workload.outputs]
@@ -163,6 +166,17 @@ def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
         PythonContender(OURS, "robot's methods, checked", single=checked, batch=checked),
         PythonContender(OURS, "pure NumPy module", single=pure, batch=pure),
     ]
+
+
+def _every_solution(workload: Workload, robot: krhpr.Robot, inputs: list[Floats]) -> Prepared:
+    (s,) = inputs
+
+    def collect(found: Any) -> list[Floats]:
+        arrays = (found.count, found.p, found.Q, found.redundant)
+        shapes = [array.shape for array in workload.outputs]
+        return [np.nan_to_num(x).reshape(-1, *shape) for x, shape in zip(arrays, shapes, strict=True)]
+
+    return Prepared(lambda: robot.forward_all(s), collect)
 
 
 def _gufunc(workload: Workload, robot: krhpr.Robot) -> np.ufunc:

@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from benchmarks.build import SPEED_FLAGS, Tools
+from benchmarks.forward import every_solution, sextic
 from benchmarks.numpy_by_hand import HAND_WRITTEN
 from benchmarks.peers.casadi_c import function as casadi_function
 from benchmarks.peers.driver import flat_names
@@ -46,6 +47,31 @@ def split(workload: Workload, flat: Sequence[Any]) -> list[Sequence[Any]]:
     """One flat list of all outputs, cut into outputs."""
     cuts = np.cumsum([0, *(array.size for array in workload.outputs)])
     return [flat[a:b] for a, b in pairwise(cuts)]
+
+
+def contenders(workload: Workload, folder: Path, tools: Tools) -> list[PythonContender]:
+    """Everybody who takes part."""
+    if workload.key == "w3":
+        return [PythonContender("numpy.roots", "of the sextic alone", batch=partial(numpy_roots, workload))]
+    return [
+        *casadi_contenders(workload, folder, tools),
+        *sympy_contenders(workload),
+        *hand_contenders(workload),
+    ]
+
+
+# numpy.roots takes one polynomial at a time; the sextic and the poses at its roots are not counted.
+
+
+def numpy_roots(workload: Workload, inputs: list[Floats]) -> Prepared:
+    """Coefficients in, lists of complex roots out."""
+    (s,) = inputs
+    sextics = [sextic(points) for points in s]
+
+    def collect(found: list[Any]) -> list[Floats]:
+        return every_solution([s], found)
+
+    return Prepared(lambda: [np.roots(c) for c in sextics], collect)
 
 
 # CasADi: the virtual machine called with arrays, and (virtual machine or compiled) with bound buffers.

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -28,6 +28,12 @@ def cover(robots: Sequence[str]) -> tuple[str, ...]:
     for robot in robots:
         by_subleg.setdefault(robot.rpartition("_")[0], []).append(robot)
     return tuple(found[place % len(found)] for place, found in enumerate(by_subleg.values()))
+
+
+def with_cover(robots: Sequence[str]) -> list[Any]:
+    """Parameters of a test: every robot, but in small samples one of each sub-leg."""
+    some = cover(robots)
+    return [pytest.param(robot, marks=() if robot in some else pytest.mark.full) for robot in robots]
 
 
 THOROUGH = (

@@ -13,6 +13,7 @@ import pytest
 import krhpr
 from krhpr import drawing
 from krhpr.drawing import draw, skeleton
+from tests.support import with_cover
 
 ROBOTS = krhpr.catalogue()
 
@@ -47,7 +48,7 @@ def configurations(robot: krhpr.Robot, count: int) -> Iterator[tuple[Any, Any, A
             made += 1
 
 
-@pytest.mark.parametrize("identifier", ROBOTS)
+@pytest.mark.parametrize("identifier", with_cover(ROBOTS))
 def test_links_end_at_the_end_points_and_have_the_geometrys_lengths(identifier: str) -> None:
     robot = krhpr.load(identifier, backend="numpy")
     for p, orientation, redundant, mode in configurations(robot, 16):
@@ -85,7 +86,7 @@ def test_a_pose_out_of_reach_is_an_error() -> None:
         skeleton(krhpr.load("spatial_rrr_a"), [0.0, 0.0, 2.0], np.eye(3), [1.7, 1.7, 1.7])
 
 
-@pytest.mark.parametrize("identifier", ROBOTS)
+@pytest.mark.parametrize("identifier", with_cover(ROBOTS))
 def test_a_robot_can_be_drawn_without_a_display(identifier: str) -> None:
     import matplotlib
 

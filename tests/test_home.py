@@ -11,6 +11,7 @@ import pytest
 import krhpr
 from krhpr.drawing import COLOURS, Kind, skeleton
 from krhpr.picture import picture, symbol
+from tests.support import with_cover
 
 ROBOTS = krhpr.catalogue()
 
@@ -43,7 +44,7 @@ def test_actuators_are_where_the_documentation_says(identifier: str) -> None:
         assert (kinds[name] == "prismatic") == (links.get(place) in ("slide", "strut"))
 
 
-@pytest.mark.parametrize("identifier", ROBOTS)
+@pytest.mark.parametrize("identifier", with_cover(ROBOTS))
 def test_every_robot_has_a_labelled_picture(identifier: str) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot

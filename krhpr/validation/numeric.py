@@ -72,7 +72,7 @@ class CompiledC:
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
         source = subject.source
-        name = f"validate_{subject.identifier}"
+        name = f"krhpr_{subject.identifier}"  # the library that `krhpr.load` uses, and no other
         self.library = load_library(compile_library(name, [source], include_dirs=[source.parent]))
         self.prefix = f"krhpr_{subject.identifier}_"
         size = getattr(self.library, self.prefix + "geometry_size")

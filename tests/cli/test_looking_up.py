@@ -10,6 +10,7 @@ import pytest
 
 import krhpr
 from tests.cli.support import Cli
+from tests.support import with_cover
 
 ROBOTS = krhpr.catalogue()
 
@@ -78,7 +79,7 @@ def test_info_as_json_is_complete(identifier: str, cli: Cli) -> None:
     assert all(fields[name]["default"] == getattr(robot.geometry, name).tolist() for name in fields)
 
 
-@pytest.mark.parametrize("identifier", ROBOTS)
+@pytest.mark.parametrize("identifier", with_cover(ROBOTS))
 def test_info_of_every_function(identifier: str, cli: Cli) -> None:
     robot = krhpr.load(identifier)
     for name in robot.functions:
