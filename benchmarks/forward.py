@@ -46,6 +46,11 @@ def _plane(s: Any) -> tuple[Any, Any]:
     return axes, ((s - s[0]) @ axes)[:, :2]
 
 
+def without_wrap(beta: Any) -> Any:
+    """Angles at the ends of (-pi, pi], which rounding may put at either, at the upper one."""
+    return np.where(beta < 1e-6 - np.pi, beta + 2 * np.pi, beta)
+
+
 def sextic(s: Any) -> Any:
     """Coefficients in tan(phi/2), the highest power first."""
     _, r = _plane(s)
@@ -94,7 +99,7 @@ def _solutions(s: Any, roots: Any) -> list[tuple[Any, ...]]:
         p = s[0] + axes[:, :2] @ (a_1 - R @ b[0])
         u = -a @ R  # from B_i to S_i in the platform frame
         e_r = b / R_PLATFORM
-        beta = np.arctan2(e_r[:, 0] * u[:, 1] - e_r[:, 1] * u[:, 0], -np.sum(e_r * u, axis=1))
+        beta = without_wrap(np.arctan2(e_r[:, 0] * u[:, 1] - e_r[:, 1] * u[:, 0], -np.sum(e_r * u, axis=1)))
         local = b + u
         lines = np.column_stack([a @ R, b[:, 0] * (a @ R)[:, 1] - b[:, 1] * (a @ R)[:, 0]])
         normal = np.column_stack([np.ones(3), local[:, 1], -local[:, 0]])

@@ -21,6 +21,7 @@ import numpy as np
 import krhpr
 from benchmarks import robot as sizes
 from benchmarks.contender import OURS, Contender, Missing
+from benchmarks.forward import without_wrap
 from benchmarks.python_contender import Floats, Prepared, PythonContender
 from benchmarks.workloads import Workload
 from krhpr.codegen.bake import baked_geometry
@@ -172,7 +173,7 @@ def _every_solution(workload: Workload, robot: krhpr.Robot, inputs: list[Floats]
     (s,) = inputs
 
     def collect(found: Any) -> list[Floats]:
-        arrays = (found.count, found.p, found.Q, found.redundant)
+        arrays = (found.count, found.p, found.Q, without_wrap(found.redundant))
         shapes = [array.shape for array in workload.outputs]
         return [np.nan_to_num(x).reshape(-1, *shape) for x, shape in zip(arrays, shapes, strict=True)]
 

@@ -135,7 +135,8 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
     krhpr_roots_interval stack[KRHPR_ROOTS_LEVELS + 2];
     const int n = degree;
     const double unit = 1.1102230246251565e-16;
-    double at_one = 0.0, at_minus = 0.0, sum = 0.0, ends[4];
+    double at_one = 0.0, at_minus = 0.0, sum = 0.0, binomial = 1.0, ends[4];
+    double scaled[KRHPR_ROOTS_DEGREE + 1]; /* c_j / binomial(n, j), the same from either end */
     int count = 0;
     *doubtful = 0;
     if (n < 2 || n > KRHPR_ROOTS_DEGREE) {
@@ -147,6 +148,8 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
         sum += fabs(c[j]);
         at_one += c[j];
         at_minus += j % 2 ? -c[j] : c[j];
+        scaled[j] = c[j] / binomial;
+        binomial = binomial * (double)(n - j) / (double)(j + 1);
     }
     if (!(sum > 0.0) || !(sum * 0.0 == 0.0)) {
         return -1;
@@ -163,16 +166,19 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
             const double value = inverse ? c[n - j] : c[j];
             power[j] = negative && j % 2 ? -value : value;
         }
-        /* Bernstein coefficients sum_j binomial(i, j) / binomial(n, j) c_j, by repeated sums of c_j / binomial(n, j) */
+        /* Bernstein coefficients sum_j binomial(i, j) / binomial(n, j) c_j, by repeated sums */
         {
-            double *b = stack[0].b, binomial = 1.0;
+            double *b = stack[0].b;
             for (int j = 0; j <= n; ++j) {
-                b[j] = power[j] / binomial;
-                binomial = binomial * (double)(n - j) / (double)(j + 1);
+                const double value = inverse ? scaled[n - j] : scaled[j];
+                b[j] = negative && j % 2 ? -value : value;
             }
             for (int pass = 1; pass <= n; ++pass) {
-                for (int i = n; i >= pass; --i) {
-                    b[i] += b[i - 1];
+                double previous = b[pass - 1]; /* carried, for vectors of neighbours are slower */
+                for (int i = pass; i <= n; ++i) {
+                    const double old = b[i];
+                    b[i] = old + previous;
+                    previous = old;
                 }
             }
             /* both charts that meet at T = 1 or -1 take the same value there */
@@ -254,8 +260,11 @@ KRHPR_OUTLINE int krhpr_real_roots(int degree, const double *c, double error, do
                 next = here->error + unit * (double)n * largest; /* averages round n times */
                 for (int pass = 0; pass < n; ++pass) {
                     left[pass] = work[0];
+                    double old = work[0];
                     for (int i = 0; i < n - pass; ++i) {
-                        work[i] = 0.5 * (work[i] + work[i + 1]);
+                        const double next_one = work[i + 1];
+                        work[i] = 0.5 * (old + next_one);
+                        old = next_one;
                     }
                 }
                 left[n] = work[0];
