@@ -81,13 +81,18 @@ def hybrid_angles(s: Floats) -> Floats:
 
 def _far_apart(s: Floats) -> Floats:
     """Zero where solutions are apart, NaN where two all but coincide: counts may differ there."""
-    _, p, _, beta = every_solution([s])
-    gaps = np.abs(beta[:, :, None] - beta[:, None]).max(axis=-1) + np.abs(p[:, :, None] - p[:, None]).max(
-        axis=-1
-    )
+    count, p, q, beta = every_solution([s])
+    n = len(p)
     there = np.abs(p).max(axis=-1) > 0
     pairs = there[:, :, None] & there[:, None] & ~np.eye(6, dtype=bool)
-    return np.where((pairs & (gaps < 0.05)).any(axis=(1, 2)), np.nan, 0.0)
+    gaps, turns = (
+        np.abs(x[:, :, None] - x[:, None]).max(axis=-1)
+        for x in (np.concatenate([beta, p], axis=-1), q.reshape(n, 6, 9))
+    )
+    # where the end points' triangle is all but the platform's, it shifts and hardly turns: roots are close
+    close = (pairs & ((gaps < 0.05) | (turns < 0.01))).any(axis=(1, 2))
+    # solutions come in pairs: where one is missing it is beside another
+    return np.where(close | (count[:, 0] % 2 == 1), np.nan, 0.0)
 
 
 def _beside(rng: np.random.Generator, p: Floats, q: Floats) -> tuple[Floats, Floats]:
