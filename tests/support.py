@@ -30,9 +30,9 @@ def cover(robots: Sequence[str]) -> tuple[str, ...]:
     return tuple(found[place % len(found)] for place, found in enumerate(by_subleg.values()))
 
 
-def with_cover(robots: Sequence[str]) -> list[Any]:
-    """Parameters of a test: every robot, but in small samples one of each sub-leg."""
-    some = cover(robots)
+def with_cover(robots: Sequence[str], some: Sequence[str] = ()) -> list[Any]:
+    """Parameters of a test: every robot, but in small samples `some` (one of each sub-leg unless given)."""
+    some = some or cover(robots)
     return [pytest.param(robot, marks=() if robot in some else pytest.mark.full) for robot in robots]
 
 

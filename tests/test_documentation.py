@@ -332,6 +332,7 @@ def size(path: Path) -> tuple[int, int]:
     return width, height
 
 
+@pytest.mark.full
 def test_pictures_can_be_drawn_again(tmp_path: Path) -> None:
     subprocess.run([sys.executable, PICTURES / "make.py", tmp_path], check=True)
     drawn = {path.name: size(path) for path in tmp_path.glob("*.png")}

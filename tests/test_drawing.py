@@ -13,7 +13,7 @@ import pytest
 import krhpr
 from krhpr import drawing
 from krhpr.drawing import draw, skeleton
-from tests.support import with_cover
+from tests.support import THOROUGH, with_cover
 
 ROBOTS = krhpr.catalogue()
 
@@ -86,7 +86,7 @@ def test_a_pose_out_of_reach_is_an_error() -> None:
         skeleton(krhpr.load("spatial_rrr_a"), [0.0, 0.0, 2.0], np.eye(3), [1.7, 1.7, 1.7])
 
 
-@pytest.mark.parametrize("identifier", with_cover(ROBOTS))
+@pytest.mark.parametrize("identifier", with_cover(ROBOTS, THOROUGH))
 def test_a_robot_can_be_drawn_without_a_display(identifier: str) -> None:
     import matplotlib
 

@@ -19,16 +19,20 @@ from krhpr.native import (
 from tests.native.support import GEOMETRY, KERNELS, SOURCE
 
 
-@pytest.fixture(scope="session", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A cache of the tests' own."""
-    folder = tmp_path_factory.mktemp("cache")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("KRHPR_CACHE", str(folder))
-        yield folder
-
-
 @pytest.fixture(scope="session")
+def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(cache_folder: Path) -> Iterator[Path]:
+    """A cache of the tests' own, for as long as they run: others find robots compiled where they were."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("KRHPR_CACHE", str(cache_folder))
+        yield cache_folder
+
+
+@pytest.fixture(scope="module")
 def compiler(cache: Path) -> Compiler:
     try:
         return find_compiler()
@@ -36,12 +40,12 @@ def compiler(cache: Path) -> Compiler:
         pytest.skip(f"needs a C compiler: {error}")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def library(compiler: Compiler) -> ctypes.CDLL:
     return load_library(compile_library("kernels", [SOURCE], compiler=compiler))
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def make(library: ctypes.CDLL) -> Callable[[str], np.ufunc]:
     """Makes the gufunc of a kernel of kernels.c."""
 
@@ -54,6 +58,6 @@ def make(library: ctypes.CDLL) -> Callable[[str], np.ufunc]:
     return make
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def matvec(make: Callable[[str], np.ufunc]) -> np.ufunc:
     return make("matvec")
