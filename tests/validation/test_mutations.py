@@ -14,7 +14,7 @@ from krhpr.derivations.sublegs.base import Forward, VelocityEquations
 from krhpr.validation.check import Check, Kind, Target
 from krhpr.validation.plan import plan
 from krhpr.validation.subject import Subject
-from tests.support import cover
+from tests.support import cover, derived_robots
 from tests.validation.mutants import (
     changed,
     changed_at,
@@ -34,6 +34,7 @@ from tests.validation.support import IDENTIFIERS, subject
 
 COVER = cover(IDENTIFIERS)
 ENTRIES = {entry.identifier: entry for entry in catalogue()}
+PARTS = derived_robots().parts
 
 
 # -- derivations -----------------------------------------------------------------------------------
@@ -155,7 +156,7 @@ def test_an_exchanged_operation_in_a_kernel_is_found(identifier: str, count: int
                 wrong = mutated(derived, where)
                 if wrong is None:
                     continue
-                mutant = Subject(right.entry)
+                mutant = Subject(right.entry, parts=PARTS)
                 mutant.derived(key, kernel.name)
                 mutant._derived[key][kernel.name] = wrong
                 function = f"{key}.{kernel.name}"
@@ -209,14 +210,14 @@ def test_a_mistake_in_a_template_is_found(
     entry = ENTRIES["planar_rr_a"]
     with changed_template(name, old, new):
         folder = printed([entry], tmp_path / "generated")
-    assert first_failure(Subject(entry, folder), Kind.IDENTITY, target) is not None
+    assert first_failure(Subject(entry, folder, PARTS), Kind.IDENTITY, target) is not None
 
 
 def test_without_a_mistake_nothing_fails(tmp_path: Path) -> None:
     entry = ENTRIES["planar_rr_a"]
     folder = printed([entry], tmp_path / "generated")
     for target in (Target.C, Target.NUMPY, Target.CASADI):
-        assert first_failure(Subject(entry, folder), Kind.IDENTITY, target) is None
+        assert first_failure(Subject(entry, folder, PARTS), Kind.IDENTITY, target) is None
 
 
 # -- printed texts ---------------------------------------------------------------------------------
@@ -260,6 +261,6 @@ def test_a_mistake_in_a_printed_text_is_found(
             if SIGN_ALONE in line:
                 continue
             folder = changed_text(tmp_path / f"{part.name}_{index}", path, wrong)
-            if first_failure(Subject(right.entry, folder), Kind.IDENTITY, target, part.name) is None:
+            if first_failure(Subject(right.entry, folder, PARTS), Kind.IDENTITY, target, part.name) is None:
                 survivors.append(f"{path}: {line}")
     assert not survivors
