@@ -12,6 +12,7 @@ from pathlib import Path
 
 import krhpr.generated
 from krhpr.backend import c_sources
+from krhpr.codegen.composition import OPTIONAL_INPUTS
 from krhpr.generated.python.runtime import Port, Status
 from tests.support import cover, need
 
@@ -44,8 +45,8 @@ CPP_CONFORMANCE = tuple(
     "-std=c++17" if flag == "-std=c99" else flag for flag in CONFORMANCE if not flag.endswith("-prototypes")
 )
 
-OPTIONAL = ("mode", "assembly", "box")
-"""Inputs that may be NULL."""
+CHOICES = ("mode", "assembly", "box")
+"""Inputs by which nothing is differentiated."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def table(identifier: str) -> str:
         ]
         for kind, ports in (("in", f.inputs), ("out", f.outputs)):
             entries = ", ".join(
-                f'{{"{a.name}", {a.size}, {int(a.per_leg)}, {int(a.name in OPTIONAL)}}}' for a in ports
+                f'{{"{a.name}", {a.size}, {int(a.per_leg)}, {int(a.name in OPTIONAL_INPUTS)}}}' for a in ports
             )
             lines.append(f"static const struct port {kind}_{f.name}[] = {{{entries}}};")
         rows.append(

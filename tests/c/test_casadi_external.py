@@ -20,7 +20,7 @@ import pytest
 
 import krhpr
 from krhpr.codegen.composition import SIGNS
-from tests.c.support import CONFORMANCE, OPTIONAL, ROBOTS, SOURCES, program, run
+from tests.c.support import CHOICES, CONFORMANCE, ROBOTS, SOURCES, program, run
 from tests.support import large
 
 ca = pytest.importorskip("casadi")
@@ -146,7 +146,7 @@ def test_every_kernel_function_is_there(robot: str, external: Callable[[str], An
         assert found.name_in() == expected.name_in() and found.name_out() == expected.name_out()
         for k in range(expected.n_in()):
             assert found.sparsity_in(k) == expected.sparsity_in(k)
-            assert found.is_diff_in(k) == (found.name_in(k) not in OPTIONAL)
+            assert found.is_diff_in(k) == (found.name_in(k) not in CHOICES)
         for k in range(expected.n_out()):
             assert found.sparsity_out(k) == expected.sparsity_out(k)
         if name in without_jacobian(robot):
@@ -176,7 +176,7 @@ def test_jacobians_are_those_of_sx(robot: str, external: Callable[[str], Any], f
     for name in sx(robot).keys() - without_jacobian(robot):
         expected, found = sx(robot)[name].jacobian(), external(name).jacobian()
         outputs = [0] * sx(robot)[name].n_out()
-        branches = [f"_{branch}" for branch in OPTIONAL]
+        branches = [f"_{branch}" for branch in CHOICES]
         for at in configurations(robot, 100 if large(robot, full) else 10):
             given = [*arguments(robot, sx(robot)[name], at), *outputs]
             blocks = zip(expected.name_out(), found.call(given), expected.call(given), strict=True)
@@ -202,7 +202,7 @@ def test_jacobians_against_finite_differences(robot: str, external: Callable[[st
             given = arguments(robot, function, at)
             blocks = matrices(jacobian.call([*given, *[0] * function.n_out()]))
             for i in range(function.n_in()):
-                if function.name_in(i) in OPTIONAL:
+                if function.name_in(i) in CHOICES:
                     continue
                 for column in range(given[i].numel()):
                     slopes = central(function, given, i, column, step, angles)
