@@ -231,6 +231,11 @@ def test_one_encoder(identifier: str, backend: str) -> None:
     assert told.mean() > 0.95 and (best <= other)[status == 0].all()
     assert np.median(np.abs(found.p[:, 0] - p)[told]) < 1e-15
     assert np.abs(found.p[:, 0] - p)[told].max() < 1e-6
+    # so far away that both fit alike
+    s[:, 2] *= 1e16
+    found, status = robot.forward_encoders(s, redundant[:, :1], tolerance=1e20, status=True)
+    alike = found.mismatch[:, 0] == found.mismatch[:, 1]
+    assert (status == 0).mean() > 0.99 and alike.any() and np.isfinite(found.p[status == 0]).all()
 
 
 def test_the_example_of_the_thesis(backend: str) -> None:
@@ -334,6 +339,9 @@ def test_encoders_that_contradict_the_legs(identifier: str, backend: str) -> Non
     for count in (2, 3):
         nowhere = robot.forward_encoders(0 * s, wrong[:count], tolerance=1e9, status=True)[1]
         assert nowhere == (krhpr.Status.SINGULAR_IN_PLANE if robot.planar else krhpr.Status.SINGULAR_NORMAL)
+    if identifier.endswith("c"):  # nor do slides that meet where their end points are
+        nowhere = robot.forward_encoders(s, (1e-160, 1e-160), tolerance=1e9, status=True)[1]
+        assert nowhere == krhpr.Status.SINGULAR_IN_PLANE
     if not robot.planar:
         line = np.outer([0.0, 1.0, 2.0], np.ones(3))
         assert robot.forward_encoders(line, wrong, status=True)[1] == krhpr.Status.SINGULAR_NORMAL

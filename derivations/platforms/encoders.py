@@ -171,10 +171,10 @@ def _one(plate: Platform) -> Kernel:
         )
         a_3 = k.let(f"a_3_{name}", turned(cosine, sine, arms[1]) - r_3, "S_3 to B_3")
         misses.append(k.let(f"miss_{name}", sp.sqrt(dot(a_3, a_3)) - lengths[2]))
-    # +1 where the first fits better, without a branch
+    # +1 where the first fits better, without a branch; NaN is no minimum, so it is +1 where both fit alike
     sizes = [k.absolute(miss) for miss in misses]
     gap = k.let("gap", sizes[1] - sizes[0])
-    sign = k.let("sign", gap / k.absolute(gap))
+    sign = k.let("sign", k.minimum(gap / k.absolute(gap), sp.Integer(1)))
     poses = []
     for name, side in (("best", sign), ("other", -sign)):
         cosine, sine = (
@@ -206,7 +206,7 @@ def _several(plate: Platform, count: int) -> Kernel:
     if count == 2:
         square = k.let("d_12_2", dot(d[0], d[0]))
         sizes = sum(dot(end, end) for end in hold.ends)
-        k.add_output(SPREAD, [square / sizes])
+        k.add_output(SPREAD, [square / (sizes + dot(r[0], r[0]))])
         cosine, sine = k.let("cos", dot(d[0], r[0]) / square), k.let("sin", cross2(d[0], r[0]) / square)
         U = sp.Matrix([[cosine, -sine], [sine, cosine]])
     else:

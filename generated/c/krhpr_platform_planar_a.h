@@ -832,8 +832,8 @@ static inline void krhpr_platform_planar_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 54 multiply, 2
- * divide, 3 square root, 4 select) */
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 56 multiply, 2
+ * divide, 3 square root, 5 select) */
 static inline void krhpr_platform_planar_a_one_encoder(
     const double s[6], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
@@ -876,10 +876,10 @@ static inline void krhpr_platform_planar_a_one_encoder(
     const double t7 = fabs(miss_plus);
     const double t8 = fabs(miss_minus);
     const double gap = t8 - t7;
-    const double sign = gap / fabs(gap);
-    const double t9 = t4 * sign;
+    const double sign = krhpr_min(gap / fabs(gap), 1.0);
+    const double t9 = root * (L * sign);
     const double cos_best = t3 - t9;
-    const double t10 = t6 * sign;
+    const double t10 = root * (M * sign);
     const double sin_best = t5 + t10;
     const double cos_other = t3 + t9;
     const double sin_other = t5 - t10;
@@ -900,7 +900,7 @@ static inline void krhpr_platform_planar_a_one_encoder(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select) */
+ * (3.24).  (27 add, 26 multiply, 2 divide, 2 square root, 1 select) */
 static inline void krhpr_platform_planar_a_two_encoders(
     const double s[6], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
@@ -919,10 +919,13 @@ static inline void krhpr_platform_planar_a_two_encoders(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t1 = 1.0 / d_12_2;
-    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1;
-    const double sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t1 = s_12_0 * s_12_0;
+    const double t2 = s_12_1 * s_12_1;
+    const double spread_0 = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t1 + t2);
+    const double t3 = 1.0 / d_12_2;
+    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3;
+    const double sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
+    const double r_2_0 = t1 + t2;
     const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     points[0] = 0.0;
     points[1] = 0.0;
@@ -934,7 +937,7 @@ static inline void krhpr_platform_planar_a_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
+    spread[0] = spread_0;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;

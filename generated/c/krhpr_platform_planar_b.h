@@ -425,7 +425,7 @@ static inline void krhpr_platform_planar_b_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (23 add, 26 multiply, 2 divide, 2 square root, 1 select) */
+ * (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select) */
 static inline void krhpr_platform_planar_b_two_encoders(
     const double s[6], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
@@ -445,10 +445,13 @@ static inline void krhpr_platform_planar_b_two_encoders(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t3 = 1.0 / d_12_2;
-    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3;
-    const double sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t3 = s_12_0 * s_12_0;
+    const double t4 = s_12_1 * s_12_1;
+    const double spread_0 = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t3 + t4);
+    const double t5 = 1.0 / d_12_2;
+    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t5;
+    const double sin = t5 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
+    const double r_2_0 = t3 + t4;
     const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     points[0] = 0.0;
     points[1] = 0.0;
@@ -460,7 +463,7 @@ static inline void krhpr_platform_planar_b_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
+    spread[0] = spread_0;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;

@@ -388,7 +388,7 @@ static inline void krhpr_platform_planar_c_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (17 add, 22 multiply, 2 divide, 2 square root, 1 select) */
+ * (3.24).  (19 add, 22 multiply, 2 divide, 2 square root, 1 select) */
 static inline void krhpr_platform_planar_c_two_encoders(
     const double s[6], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
@@ -405,10 +405,13 @@ static inline void krhpr_platform_planar_c_two_encoders(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t1 = 1.0 / d_12_2;
-    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1;
-    const double sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
+    const double t1 = s_12_0 * s_12_0;
+    const double t2 = s_12_1 * s_12_1;
+    const double spread_0 = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t1 + t2);
+    const double t3 = 1.0 / d_12_2;
+    const double cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3;
+    const double sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1);
+    const double r_2_0 = t1 + t2;
     const double gap_0 = sqrt(r_2_0) - sqrt(d_12_2);
     points[0] = 0.0;
     points[1] = 0.0;
@@ -420,7 +423,7 @@ static inline void krhpr_platform_planar_c_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
+    spread[0] = spread_0;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;

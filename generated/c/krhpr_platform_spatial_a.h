@@ -1062,8 +1062,8 @@ static inline void krhpr_platform_spatial_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 131 multiply, 5
- * divide, 5 square root, 4 select) */
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 133 multiply, 5
+ * divide, 5 square root, 5 select) */
 static inline void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand,
@@ -1131,10 +1131,10 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     const double t9 = fabs(miss_plus);
     const double t10 = fabs(miss_minus);
     const double gap = t10 - t9;
-    const double sign = gap / fabs(gap);
-    const double t11 = t6 * sign;
+    const double sign = krhpr_min(gap / fabs(gap), 1.0);
+    const double t11 = root * (L * sign);
     const double cos_best = t5 - t11;
-    const double t12 = t8 * sign;
+    const double t12 = root * (M * sign);
     const double sin_best = t7 + t12;
     const double cos_other = t5 + t11;
     const double sin_other = t7 - t12;
@@ -1176,7 +1176,7 @@ static inline void krhpr_platform_spatial_a_one_encoder(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (48 add, 67 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (49 add, 68 multiply, 5 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_a_two_encoders(
     const double s[9], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1221,9 +1221,10 @@ static inline void krhpr_platform_spatial_a_two_encoders(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t3 = 1.0 / d_12_2;
-    const double cos = points_10 * d_12_0 * t3;
-    const double sin = t3 * (points_10 * (e_1_1 - e_2_1));
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
+    const double t4 = 1.0 / d_12_2;
+    const double cos = points_10 * d_12_0 * t4;
+    const double sin = t4 * (points_10 * (e_1_1 - e_2_1));
     const double gap_0 = points_10 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
@@ -1245,7 +1246,7 @@ static inline void krhpr_platform_spatial_a_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
+    spread[0] = d_12_2 / t3;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;

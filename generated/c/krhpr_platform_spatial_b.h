@@ -618,7 +618,7 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (46 add, 71 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (47 add, 72 multiply, 5 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_b_two_encoders(
     const double s[9], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -665,9 +665,10 @@ static inline void krhpr_platform_spatial_b_two_encoders(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t6 = 1.0 / d_12_2;
-    const double cos = points_10 * d_12_0 * t6;
-    const double sin = t6 * (points_10 * (e_1_1 - e_2_1));
+    const double t6 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
+    const double t7 = 1.0 / d_12_2;
+    const double cos = points_10 * d_12_0 * t7;
+    const double sin = t7 * (points_10 * (e_1_1 - e_2_1));
     const double gap_0 = points_10 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
@@ -689,7 +690,7 @@ static inline void krhpr_platform_spatial_b_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
+    spread[0] = d_12_2 / t6;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;

@@ -584,7 +584,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (40 add, 67 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (41 add, 68 multiply, 5 divide, 3 square root, 1 select) */
 static inline void krhpr_platform_spatial_c_two_encoders(
     const double s[9], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
@@ -629,9 +629,10 @@ static inline void krhpr_platform_spatial_c_two_encoders(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t4 = 1.0 / d_12_2;
-    const double cos = points_10 * d_12_0 * t4;
-    const double sin = t4 * (points_10 * (e_1_1 - e_2_1));
+    const double t4 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
+    const double t5 = 1.0 / d_12_2;
+    const double cos = points_10 * d_12_0 * t5;
+    const double sin = t5 * (points_10 * (e_1_1 - e_2_1));
     const double gap_0 = points_10 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
@@ -653,7 +654,7 @@ static inline void krhpr_platform_spatial_c_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1);
+    spread[0] = d_12_2 / t4;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;

@@ -906,8 +906,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 54
-    multiply, 2 divide, 3 square root, 2 arctangent, 4 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 56
+    multiply, 2 divide, 3 square root, 2 arctangent, 5 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -950,10 +950,10 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t7 = ca.fabs(miss_plus)
     t8 = ca.fabs(miss_minus)
     gap = t8 - t7
-    sign = gap / ca.fabs(gap)
-    t9 = t4 * sign
+    sign = ca.fmin(gap / ca.fabs(gap), 1)
+    t9 = root * (L * sign)
     cos_best = t3 - t9
-    t10 = t6 * sign
+    t10 = root * (M * sign)
     sin_best = t5 + t10
     cos_other = t3 + t9
     sin_other = t5 - t10
@@ -985,7 +985,7 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (27 add, 26 multiply, 2 divide, 2 square root, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, _anchor_20, _anchor_21 = anchor
@@ -1002,10 +1002,13 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t1 = 1 / d_12_2
-    cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t1
-    sin = t1 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
-    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    t1 = s_12_0 * s_12_0
+    t2 = s_12_1 * s_12_1
+    spread_0 = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t1 + t2)
+    t3 = 1 / d_12_2
+    cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3
+    sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
+    r_2_0 = t1 + t2
     gap_0 = ca.sqrt(r_2_0) - ca.sqrt(d_12_2)
     return (
         (  # points
@@ -1023,7 +1026,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             e_2_1,
         ),
         (  # spread
-            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+            spread_0,
         ),
         (  # linear
             cos,

@@ -1149,8 +1149,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 131
-    multiply, 5 divide, 5 square root, 4 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 133
+    multiply, 5 divide, 5 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1218,10 +1218,10 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t9 = ca.fabs(miss_plus)
     t10 = ca.fabs(miss_minus)
     gap = t10 - t9
-    sign = gap / ca.fabs(gap)
-    t11 = t6 * sign
+    sign = ca.fmin(gap / ca.fabs(gap), 1)
+    t11 = root * (L * sign)
     cos_best = t5 - t11
-    t12 = t8 * sign
+    t12 = root * (M * sign)
     sin_best = t7 + t12
     cos_other = t5 + t11
     sin_other = t7 - t12
@@ -1278,7 +1278,7 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (48 add, 67 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (49 add, 68 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1321,9 +1321,10 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t3 = 1 / d_12_2
-    cos = points_10 * d_12_0 * t3
-    sin = t3 * (points_10 * (e_1_1 - e_2_1))
+    t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10
+    t4 = 1 / d_12_2
+    cos = points_10 * d_12_0 * t4
+    sin = t4 * (points_10 * (e_1_1 - e_2_1))
     gap_0 = points_10 - ca.sqrt(d_12_2)
     return (
         (  # flatness
@@ -1355,7 +1356,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             e_2_1,
         ),
         (  # spread
-            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+            d_12_2 / t3,
         ),
         (  # linear
             cos,

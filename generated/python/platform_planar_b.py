@@ -523,7 +523,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (23 add, 26 multiply, 2 divide, 2 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, _slide_20, _slide_21 = slide
@@ -543,10 +543,13 @@ def two_encoders(
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t3 = 1 / d_12_2
-    cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t3
-    sin = t3 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
-    r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1
+    t3 = s_12_0 * s_12_0
+    t4 = s_12_1 * s_12_1
+    spread_0 = d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t3 + t4)
+    t5 = 1 / d_12_2
+    cos = (s_12_0 * d_12_0 + s_12_1 * d_12_1) * t5
+    sin = t5 * (s_12_1 * d_12_0 - s_12_0 * d_12_1)
+    r_2_0 = t3 + t4
     gap_0 = np.sqrt(r_2_0) - np.sqrt(d_12_2)
     return (
         (  # points
@@ -564,7 +567,7 @@ def two_encoders(
             e_2_1,
         ),
         (  # spread
-            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+            spread_0,
         ),
         (  # linear
             cos,

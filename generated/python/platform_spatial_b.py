@@ -725,7 +725,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (46 add, 71 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (47 add, 72 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -772,9 +772,10 @@ def two_encoders(
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t6 = 1 / d_12_2
-    cos = points_10 * d_12_0 * t6
-    sin = t6 * (points_10 * (e_1_1 - e_2_1))
+    t6 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10
+    t7 = 1 / d_12_2
+    cos = points_10 * d_12_0 * t7
+    sin = t7 * (points_10 * (e_1_1 - e_2_1))
     gap_0 = points_10 - np.sqrt(d_12_2)
     return (
         (  # flatness
@@ -806,7 +807,7 @@ def two_encoders(
             e_2_1,
         ),
         (  # spread
-            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+            d_12_2 / t6,
         ),
         (  # linear
             cos,

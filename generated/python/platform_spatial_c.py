@@ -687,7 +687,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
 
 def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (40 add, 67 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (41 add, 68 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -730,9 +730,10 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t4 = 1 / d_12_2
-    cos = points_10 * d_12_0 * t4
-    sin = t4 * (points_10 * (e_1_1 - e_2_1))
+    t4 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10
+    t5 = 1 / d_12_2
+    cos = points_10 * d_12_0 * t5
+    sin = t5 * (points_10 * (e_1_1 - e_2_1))
     gap_0 = points_10 - np.sqrt(d_12_2)
     return (
         (  # flatness
@@ -764,7 +765,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
             e_2_1,
         ),
         (  # spread
-            d_12_2 / (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1),
+            d_12_2 / t4,
         ),
         (  # linear
             cos,

@@ -1543,7 +1543,7 @@ static inline void krhpr_platform_planar_a_one_encoder_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (76 add, 78 multiply, 5 divide, 2 square root) */
+ * (3.24).  (80 add, 78 multiply, 5 divide, 2 square root) */
 static inline void krhpr_platform_planar_a_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
@@ -1563,20 +1563,22 @@ static inline void krhpr_platform_planar_a_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t1 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
-    const double spread_0 = d_12_2 / t1;
+    const double t1 = s_12_0 * s_12_0;
+    const double t2 = s_12_1 * s_12_1;
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t1 + t2;
+    const double spread_0 = d_12_2 / t3;
     const double h3 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
     const double h2 = 1.0 / d_12_2;
     const double cos = h3 * h2;
     const double h4 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
     const double sin = h2 * h4;
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double t2 = sqrt(r_2_0);
-    const double t3 = sqrt(d_12_2);
-    const double gap_0 = t2 - t3;
-    const double h1 = 1.0 / t1;
-    const double h5 = 1.0 / t2;
-    const double h6 = 1.0 / t3;
+    const double r_2_0 = t1 + t2;
+    const double t4 = sqrt(r_2_0);
+    const double t5 = sqrt(d_12_2);
+    const double gap_0 = t4 - t5;
+    const double h1 = 1.0 / t3;
+    const double h5 = 1.0 / t4;
+    const double h6 = 1.0 / t5;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -1596,46 +1598,49 @@ static inline void krhpr_platform_planar_a_two_encoders_tangent(
     linear[5].v = -(e_1_1 * cos + e_1_0 * sin);
     mismatch[0].v = gap_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
-        const double t5 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
-        const double t6 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
-        const double t7 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
-        const double t8 = s[2].t[k] - s[0].t[k];
-        const double t9 = s[3].t[k] - s[1].t[k];
-        const double t10 = t6 - t4;
-        const double t11 = t7 - t5;
-        const double t12 = d_12_0 * t10;
-        const double t13 = d_12_1 * t11;
-        const double t14 = t12 + t12 + (t13 + t13);
-        const double t15 = e_1_0 * t4;
-        const double t16 = e_1_1 * t5;
-        const double t17 = e_2_0 * t6;
-        const double t18 = e_2_1 * t7;
-        const double t19 = h2 * (h2 * t14);
-        const double t20 = h2 * (d_12_0 * t8 + s_12_0 * t10 + (d_12_1 * t9 + s_12_1 * t11)) - h3 * t19;
-        const double t21 = h4 * t19;
-        const double t22 = h2 * (d_12_0 * t9 + s_12_1 * t10 - (d_12_1 * t8 + s_12_0 * t11));
-        const double t23 = t22 - t21;
-        const double t24 = s_12_0 * t8;
-        const double t25 = s_12_1 * t9;
+        const double t6 = anchor[0].t[k] - (arm[0].v * turns[0].t[k] + turns[0].v * arm[0].t[k]) - (arm[1].v * turns[1].t[k] + turns[1].v * arm[1].t[k]);
+        const double t7 = anchor[1].t[k] + (arm[0].v * turns[1].t[k] + turns[1].v * arm[0].t[k]) - (arm[1].v * turns[0].t[k] + turns[0].v * arm[1].t[k]);
+        const double t8 = anchor[2].t[k] - (arm[2].v * turns[2].t[k] + turns[2].v * arm[2].t[k]) - (arm[3].v * turns[3].t[k] + turns[3].v * arm[3].t[k]);
+        const double t9 = anchor[3].t[k] + (arm[2].v * turns[3].t[k] + turns[3].v * arm[2].t[k]) - (arm[3].v * turns[2].t[k] + turns[2].v * arm[3].t[k]);
+        const double t10 = s[2].t[k] - s[0].t[k];
+        const double t11 = s[3].t[k] - s[1].t[k];
+        const double t12 = t8 - t6;
+        const double t13 = t9 - t7;
+        const double t14 = d_12_0 * t12;
+        const double t15 = d_12_1 * t13;
+        const double t16 = t14 + t14 + (t15 + t15);
+        const double t17 = e_1_0 * t6;
+        const double t18 = e_1_1 * t7;
+        const double t19 = e_2_0 * t8;
+        const double t20 = e_2_1 * t9;
+        const double t21 = s_12_0 * t10;
+        const double t22 = t21 + t21;
+        const double t23 = s_12_1 * t11;
+        const double t24 = t23 + t23;
+        const double t25 = t16 - spread_0 * (t17 + t17 + (t18 + t18) + (t19 + t19) + (t20 + t20) + t22 + t24);
+        const double t26 = h2 * (h2 * t16);
+        const double t27 = h2 * (d_12_0 * t10 + s_12_0 * t12 + (d_12_1 * t11 + s_12_1 * t13)) - h3 * t26;
+        const double t28 = h4 * t26;
+        const double t29 = h2 * (d_12_0 * t11 + s_12_1 * t12 - (d_12_1 * t10 + s_12_0 * t13));
+        const double t30 = t29 - t28;
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t8;
-        points[3].t[k] = t9;
+        points[2].t[k] = t10;
+        points[3].t[k] = t11;
         points[4].t[k] = s[4].t[k] - s[0].t[k];
         points[5].t[k] = s[5].t[k] - s[1].t[k];
-        ends[0].t[k] = t4;
-        ends[1].t[k] = t5;
-        ends[2].t[k] = t6;
-        ends[3].t[k] = t7;
-        spread[0].t[k] = h1 * (t14 - spread_0 * (t15 + t15 + (t16 + t16) + (t17 + t17) + (t18 + t18)));
-        linear[0].t[k] = t20;
-        linear[1].t[k] = t23;
-        linear[2].t[k] = t21 - t22;
-        linear[3].t[k] = t20;
-        linear[4].t[k] = sin * t5 + e_1_1 * t23 - (cos * t4 + e_1_0 * t20);
-        linear[5].t[k] = -(cos * t5 + e_1_1 * t20 + (sin * t4 + e_1_0 * t23));
-        mismatch[0].t[k] = h5 * (0.5 * (t24 + t24 + (t25 + t25))) - h6 * (0.5 * t14);
+        ends[0].t[k] = t6;
+        ends[1].t[k] = t7;
+        ends[2].t[k] = t8;
+        ends[3].t[k] = t9;
+        spread[0].t[k] = h1 * t25;
+        linear[0].t[k] = t27;
+        linear[1].t[k] = t30;
+        linear[2].t[k] = t28 - t29;
+        linear[3].t[k] = t27;
+        linear[4].t[k] = sin * t7 + e_1_1 * t30 - (cos * t6 + e_1_0 * t27);
+        linear[5].t[k] = -(cos * t7 + e_1_1 * t27 + (sin * t6 + e_1_0 * t30));
+        mismatch[0].t[k] = h5 * (0.5 * (t22 + t24)) - h6 * (0.5 * t16);
     }
 }
 

@@ -783,7 +783,7 @@ static inline void krhpr_platform_planar_b_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (72 add, 78 multiply, 5 divide, 2 square root) */
+ * (3.24).  (76 add, 78 multiply, 5 divide, 2 square root) */
 static inline void krhpr_platform_planar_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
@@ -804,20 +804,22 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t1 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
-    const double spread_0 = d_12_2 / t1;
+    const double t1 = s_12_0 * s_12_0;
+    const double t2 = s_12_1 * s_12_1;
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + t1 + t2;
+    const double spread_0 = d_12_2 / t3;
     const double h5 = s_12_0 * d_12_0 + s_12_1 * d_12_1;
     const double h4 = 1.0 / d_12_2;
     const double cos = h5 * h4;
     const double h6 = s_12_1 * d_12_0 - s_12_0 * d_12_1;
     const double sin = h4 * h6;
-    const double r_2_0 = s_12_0 * s_12_0 + s_12_1 * s_12_1;
-    const double t2 = sqrt(r_2_0);
-    const double t3 = sqrt(d_12_2);
-    const double gap_0 = t2 - t3;
-    const double h3 = 1.0 / t1;
-    const double h7 = 1.0 / t2;
-    const double h8 = 1.0 / t3;
+    const double r_2_0 = t1 + t2;
+    const double t4 = sqrt(r_2_0);
+    const double t5 = sqrt(d_12_2);
+    const double gap_0 = t4 - t5;
+    const double h3 = 1.0 / t3;
+    const double h7 = 1.0 / t4;
+    const double h8 = 1.0 / t5;
     points[0].v = 0.0;
     points[1].v = 0.0;
     points[2].v = s_12_0;
@@ -837,48 +839,51 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
     linear[5].v = -(e_1_1 * cos + e_1_0 * sin);
     mismatch[0].v = gap_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = measured[0].t[k] + start[0].t[k];
-        const double t5 = h1 * slide[0].t[k] + slide[0].v * t4 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
-        const double t6 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t4);
-        const double t7 = measured[1].t[k] + start[1].t[k];
-        const double t8 = h2 * slide[2].t[k] + slide[2].v * t7 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
-        const double t9 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t7);
-        const double t10 = s[2].t[k] - s[0].t[k];
-        const double t11 = s[3].t[k] - s[1].t[k];
-        const double t12 = t8 - t5;
-        const double t13 = t9 - t6;
-        const double t14 = d_12_0 * t12;
-        const double t15 = d_12_1 * t13;
-        const double t16 = t14 + t14 + (t15 + t15);
-        const double t17 = e_1_0 * t5;
-        const double t18 = e_1_1 * t6;
-        const double t19 = e_2_0 * t8;
-        const double t20 = e_2_1 * t9;
-        const double t21 = h4 * (h4 * t16);
-        const double t22 = h4 * (d_12_0 * t10 + s_12_0 * t12 + (d_12_1 * t11 + s_12_1 * t13)) - h5 * t21;
-        const double t23 = h6 * t21;
-        const double t24 = h4 * (d_12_0 * t11 + s_12_1 * t12 - (d_12_1 * t10 + s_12_0 * t13));
-        const double t25 = t24 - t23;
-        const double t26 = s_12_0 * t10;
-        const double t27 = s_12_1 * t11;
+        const double t6 = measured[0].t[k] + start[0].t[k];
+        const double t7 = h1 * slide[0].t[k] + slide[0].v * t6 - (distance[0].v * slide[1].t[k] + slide[1].v * distance[0].t[k]);
+        const double t8 = distance[0].v * slide[0].t[k] + slide[0].v * distance[0].t[k] + (h1 * slide[1].t[k] + slide[1].v * t6);
+        const double t9 = measured[1].t[k] + start[1].t[k];
+        const double t10 = h2 * slide[2].t[k] + slide[2].v * t9 - (distance[1].v * slide[3].t[k] + slide[3].v * distance[1].t[k]);
+        const double t11 = distance[1].v * slide[2].t[k] + slide[2].v * distance[1].t[k] + (h2 * slide[3].t[k] + slide[3].v * t9);
+        const double t12 = s[2].t[k] - s[0].t[k];
+        const double t13 = s[3].t[k] - s[1].t[k];
+        const double t14 = t10 - t7;
+        const double t15 = t11 - t8;
+        const double t16 = d_12_0 * t14;
+        const double t17 = d_12_1 * t15;
+        const double t18 = t16 + t16 + (t17 + t17);
+        const double t19 = e_1_0 * t7;
+        const double t20 = e_1_1 * t8;
+        const double t21 = e_2_0 * t10;
+        const double t22 = e_2_1 * t11;
+        const double t23 = s_12_0 * t12;
+        const double t24 = t23 + t23;
+        const double t25 = s_12_1 * t13;
+        const double t26 = t25 + t25;
+        const double t27 = t18 - spread_0 * (t19 + t19 + (t20 + t20) + (t21 + t21) + (t22 + t22) + t24 + t26);
+        const double t28 = h4 * (h4 * t18);
+        const double t29 = h4 * (d_12_0 * t12 + s_12_0 * t14 + (d_12_1 * t13 + s_12_1 * t15)) - h5 * t28;
+        const double t30 = h6 * t28;
+        const double t31 = h4 * (d_12_0 * t13 + s_12_1 * t14 - (d_12_1 * t12 + s_12_0 * t15));
+        const double t32 = t31 - t30;
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = t10;
-        points[3].t[k] = t11;
+        points[2].t[k] = t12;
+        points[3].t[k] = t13;
         points[4].t[k] = s[4].t[k] - s[0].t[k];
         points[5].t[k] = s[5].t[k] - s[1].t[k];
-        ends[0].t[k] = t5;
-        ends[1].t[k] = t6;
-        ends[2].t[k] = t8;
-        ends[3].t[k] = t9;
-        spread[0].t[k] = h3 * (t16 - spread_0 * (t17 + t17 + (t18 + t18) + (t19 + t19) + (t20 + t20)));
-        linear[0].t[k] = t22;
-        linear[1].t[k] = t25;
-        linear[2].t[k] = t23 - t24;
-        linear[3].t[k] = t22;
-        linear[4].t[k] = sin * t6 + e_1_1 * t25 - (cos * t5 + e_1_0 * t22);
-        linear[5].t[k] = -(cos * t6 + e_1_1 * t22 + (sin * t5 + e_1_0 * t25));
-        mismatch[0].t[k] = h7 * (0.5 * (t26 + t26 + (t27 + t27))) - h8 * (0.5 * t16);
+        ends[0].t[k] = t7;
+        ends[1].t[k] = t8;
+        ends[2].t[k] = t10;
+        ends[3].t[k] = t11;
+        spread[0].t[k] = h3 * t27;
+        linear[0].t[k] = t29;
+        linear[1].t[k] = t32;
+        linear[2].t[k] = t30 - t31;
+        linear[3].t[k] = t29;
+        linear[4].t[k] = sin * t8 + e_1_1 * t32 - (cos * t7 + e_1_0 * t29);
+        linear[5].t[k] = -(cos * t8 + e_1_1 * t29 + (sin * t7 + e_1_0 * t32));
+        mismatch[0].t[k] = h7 * (0.5 * (t24 + t26)) - h8 * (0.5 * t18);
     }
 }
 

@@ -2174,7 +2174,7 @@ static inline void krhpr_platform_spatial_a_one_encoder_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (164 add, 201 multiply, 8 divide, 3 square root) */
+ * (3.24).  (167 add, 203 multiply, 8 divide, 3 square root) */
 static inline void krhpr_platform_spatial_a_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
@@ -2230,7 +2230,7 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t2 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double t2 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
     const double spread_0 = d_12_2 / t2;
     const double h15 = points_10 * d_12_0;
     const double h14 = 1.0 / d_12_2;
@@ -2324,11 +2324,13 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
         const double t53 = e_1_1 * t5;
         const double t54 = e_2_0 * t6;
         const double t55 = e_2_1 * t7;
-        const double t56 = h14 * (h14 * t51);
-        const double t57 = h14 * (d_12_0 * t47 + points_10 * t48) - h15 * t56;
-        const double t58 = h17 * t56;
-        const double t59 = h14 * (h16 * t47 + points_10 * (t5 - t7));
-        const double t60 = t59 - t58;
+        const double t56 = points_10 * t47;
+        const double t57 = t51 - spread_0 * (t52 + t52 + (t53 + t53) + (t54 + t54) + (t55 + t55) + (t56 + t56));
+        const double t58 = h14 * (h14 * t51);
+        const double t59 = h14 * (d_12_0 * t47 + points_10 * t48) - h15 * t58;
+        const double t60 = h17 * t58;
+        const double t61 = h14 * (h16 * t47 + points_10 * (t5 - t7));
+        const double t62 = t61 - t60;
         flatness[0].t[k] = h7 * (t29 - flatness_0 * t33);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -2349,13 +2351,13 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
         ends[1].t[k] = t5;
         ends[2].t[k] = t6;
         ends[3].t[k] = t7;
-        spread[0].t[k] = h13 * (t51 - spread_0 * (t52 + t52 + (t53 + t53) + (t54 + t54) + (t55 + t55)));
-        linear[0].t[k] = t57;
-        linear[1].t[k] = t60;
-        linear[2].t[k] = t58 - t59;
-        linear[3].t[k] = t57;
-        linear[4].t[k] = sin * t5 + e_1_1 * t60 - (cos * t4 + e_1_0 * t57);
-        linear[5].t[k] = -(cos * t5 + e_1_1 * t57 + (sin * t4 + e_1_0 * t60));
+        spread[0].t[k] = h13 * t57;
+        linear[0].t[k] = t59;
+        linear[1].t[k] = t62;
+        linear[2].t[k] = t60 - t61;
+        linear[3].t[k] = t59;
+        linear[4].t[k] = sin * t5 + e_1_1 * t62 - (cos * t4 + e_1_0 * t59);
+        linear[5].t[k] = -(cos * t5 + e_1_1 * t59 + (sin * t4 + e_1_0 * t62));
         mismatch[0].t[k] = t47 - h18 * (0.5 * t51);
     }
 }

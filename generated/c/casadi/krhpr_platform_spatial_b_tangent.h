@@ -1268,7 +1268,7 @@ static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (164 add, 213 multiply, 8 divide, 3 square root) */
+ * (3.24).  (167 add, 215 multiply, 8 divide, 3 square root) */
 static inline void krhpr_platform_spatial_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
@@ -1322,7 +1322,7 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
     const double spread_0 = d_12_2 / t3;
     const double h13 = points_10 * d_12_0;
     const double h12 = 1.0 / d_12_2;
@@ -1418,11 +1418,13 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
         const double t56 = e_1_1 * t7;
         const double t57 = e_2_0 * t9;
         const double t58 = e_2_1 * t10;
-        const double t59 = h12 * (h12 * t54);
-        const double t60 = h12 * (d_12_0 * t50 + points_10 * t51) - h13 * t59;
-        const double t61 = h15 * t59;
-        const double t62 = h12 * (h14 * t50 + points_10 * (t7 - t10));
-        const double t63 = t62 - t61;
+        const double t59 = points_10 * t50;
+        const double t60 = t54 - spread_0 * (t55 + t55 + (t56 + t56) + (t57 + t57) + (t58 + t58) + (t59 + t59));
+        const double t61 = h12 * (h12 * t54);
+        const double t62 = h12 * (d_12_0 * t50 + points_10 * t51) - h13 * t61;
+        const double t63 = h15 * t61;
+        const double t64 = h12 * (h14 * t50 + points_10 * (t7 - t10));
+        const double t65 = t64 - t63;
         flatness[0].t[k] = h5 * (t32 - flatness_0 * t36);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -1443,13 +1445,13 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
         ends[1].t[k] = t7;
         ends[2].t[k] = t9;
         ends[3].t[k] = t10;
-        spread[0].t[k] = h11 * (t54 - spread_0 * (t55 + t55 + (t56 + t56) + (t57 + t57) + (t58 + t58)));
-        linear[0].t[k] = t60;
-        linear[1].t[k] = t63;
-        linear[2].t[k] = t61 - t62;
-        linear[3].t[k] = t60;
-        linear[4].t[k] = sin * t7 + e_1_1 * t63 - (cos * t6 + e_1_0 * t60);
-        linear[5].t[k] = -(cos * t7 + e_1_1 * t60 + (sin * t6 + e_1_0 * t63));
+        spread[0].t[k] = h11 * t60;
+        linear[0].t[k] = t62;
+        linear[1].t[k] = t65;
+        linear[2].t[k] = t63 - t64;
+        linear[3].t[k] = t62;
+        linear[4].t[k] = sin * t7 + e_1_1 * t65 - (cos * t6 + e_1_0 * t62);
+        linear[5].t[k] = -(cos * t7 + e_1_1 * t62 + (sin * t6 + e_1_0 * t65));
         mismatch[0].t[k] = t50 - h16 * (0.5 * t54);
     }
 }

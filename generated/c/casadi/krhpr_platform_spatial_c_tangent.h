@@ -1222,7 +1222,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
 }
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
- * (3.24).  (148 add, 201 multiply, 8 divide, 3 square root) */
+ * (3.24).  (151 add, 203 multiply, 8 divide, 3 square root) */
 static inline void krhpr_platform_spatial_c_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes,
@@ -1274,7 +1274,7 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1;
+    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
     const double spread_0 = d_12_2 / t3;
     const double h11 = points_10 * d_12_0;
     const double h10 = 1.0 / d_12_2;
@@ -1368,11 +1368,13 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
         const double t54 = e_1_1 * t6;
         const double t55 = e_2_0 * t7;
         const double t56 = e_2_1 * t8;
-        const double t57 = h10 * (h10 * t52);
-        const double t58 = h10 * (d_12_0 * t48 + points_10 * t49) - h11 * t57;
-        const double t59 = h13 * t57;
-        const double t60 = h10 * (h12 * t48 + points_10 * (t6 - t8));
-        const double t61 = t60 - t59;
+        const double t57 = points_10 * t48;
+        const double t58 = t52 - spread_0 * (t53 + t53 + (t54 + t54) + (t55 + t55) + (t56 + t56) + (t57 + t57));
+        const double t59 = h10 * (h10 * t52);
+        const double t60 = h10 * (d_12_0 * t48 + points_10 * t49) - h11 * t59;
+        const double t61 = h13 * t59;
+        const double t62 = h10 * (h12 * t48 + points_10 * (t6 - t8));
+        const double t63 = t62 - t61;
         flatness[0].t[k] = h3 * (t30 - flatness_0 * t34);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
@@ -1393,13 +1395,13 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
         ends[1].t[k] = t6;
         ends[2].t[k] = t7;
         ends[3].t[k] = t8;
-        spread[0].t[k] = h9 * (t52 - spread_0 * (t53 + t53 + (t54 + t54) + (t55 + t55) + (t56 + t56)));
-        linear[0].t[k] = t58;
-        linear[1].t[k] = t61;
-        linear[2].t[k] = t59 - t60;
-        linear[3].t[k] = t58;
-        linear[4].t[k] = sin * t6 + e_1_1 * t61 - (cos * t5 + e_1_0 * t58);
-        linear[5].t[k] = -(cos * t6 + e_1_1 * t58 + (sin * t5 + e_1_0 * t61));
+        spread[0].t[k] = h9 * t58;
+        linear[0].t[k] = t60;
+        linear[1].t[k] = t63;
+        linear[2].t[k] = t61 - t62;
+        linear[3].t[k] = t60;
+        linear[4].t[k] = sin * t6 + e_1_1 * t63 - (cos * t5 + e_1_0 * t60);
+        linear[5].t[k] = -(cos * t6 + e_1_1 * t60 + (sin * t5 + e_1_0 * t63));
         mismatch[0].t[k] = t48 - h14 * (0.5 * t52);
     }
 }
