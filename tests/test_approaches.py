@@ -418,6 +418,18 @@ def test_every_assembly_mode_of_a_sub_leg(identifier: str, backend: str) -> None
         ).all()
 
 
+@pytest.mark.parametrize("identifier", ["spatial_delta_a", "spatial_ups3_b"])
+def test_a_point_between_both_assembly_modes(identifier: str, backend: str) -> None:
+    """It chooses neither by its side, and one of them is given all the same."""
+    robot = krhpr.load(identifier, backend=backend)
+    theta = robot.inverse(*robot.home)
+    both = robot.subleg_forward_all(theta)
+    shifts = np.random.default_rng(16).uniform(-1, 1, (200, 1, 3)) * (0, 0, 1e-17)
+    found, status = robot.subleg_forward(theta, near=both.mean(axis=1) + shifts, status=True)
+    assert (status == 0).all()
+    assert np.abs(found[..., None, :] - both).max(axis=-1).min(axis=-1).max() < 1e-12
+
+
 def test_axes_that_meet_leave_assembly_modes_in_doubt(backend: str) -> None:
     """Normal to one another and through one point: two modes each share their angle about axis 1."""
     robot = krhpr.load("spatial_cpr3_a", backend=backend)

@@ -171,10 +171,10 @@ def _one(plate: Platform) -> Kernel:
         )
         a_3 = k.let(f"a_3_{name}", turned(cosine, sine, arms[1]) - r_3, "S_3 to B_3")
         misses.append(k.let(f"miss_{name}", sp.sqrt(dot(a_3, a_3)) - lengths[2]))
-    # +1 where the first fits better, without a branch; NaN is no minimum, so it is +1 where both fit alike
+    # +1 where the first fits better, or both alike
     sizes = [k.absolute(miss) for miss in misses]
     gap = k.let("gap", sizes[1] - sizes[0])
-    sign = k.let("sign", k.minimum(gap / k.absolute(gap), sp.Integer(1)))
+    sign = k.let("sign", k.sign(gap))
     poses = []
     for name, side in (("best", sign), ("other", -sign)):
         cosine, sine = (

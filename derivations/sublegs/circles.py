@@ -41,9 +41,9 @@ class SpheresMeeting:
     radicand: Any
 
     def near(self, k: KernelWriter, point: sp.Matrix) -> Meeting:
-        """The one on the side of a point."""
+        """The one on the side of a point; for a point between them, that on the side of the normal."""
         side = k.let("side", dot(point - self.origin, self.normal))
-        height = k.let("height", sp.sqrt(self.radicand) * side / k.absolute(side))
+        height = k.let("height", sp.sqrt(self.radicand) * k.sign(side))
         return Meeting(self.origin + self.foot + height * self.normal, self.radicand)
 
     def both(self, k: KernelWriter) -> list[Meeting]:

@@ -98,7 +98,7 @@ static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g)
 }
 
 /* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply, 1 divide,
- * 1 square root, 1 select) */
+ * 1 square root, 2 select) */
 static inline void krhpr_subleg_ups3_forward(
     const krhpr_subleg_ups3_geometry *g, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
@@ -112,7 +112,7 @@ static inline void krhpr_subleg_ups3_forward(
     const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
     const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0] * (s_near[0] - g->g[0]) + g->k[0] * (s_near[1] - g->g[1]) + g->k[1] * (s_near[2] - g->g[2]);
-    const double height = side * sqrt(h2) / fabs(side);
+    const double height = krhpr_min(side / fabs(side), 1.0) * sqrt(h2);
     const double t3 = g->k[0] * height;
     s[0] = g->g[0] + foot_0 + t3;
     s[1] = t3 + (g->g[1] + foot_1);
@@ -121,7 +121,7 @@ static inline void krhpr_subleg_ups3_forward(
 }
 
 /* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (30 add, 25
- * multiply, 1 divide, 1 square root, 1 select) */
+ * multiply, 1 divide, 1 square root, 2 select) */
 static inline void krhpr_subleg_ups3_forward_posture(
     const krhpr_subleg_ups3_geometry *g, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
@@ -136,7 +136,7 @@ static inline void krhpr_subleg_ups3_forward_posture(
     const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
     const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0] * (s_near[0] - g->g[0]) + g->k[0] * (s_near[1] - g->g[1]) + g->k[1] * (s_near[2] - g->g[2]);
-    const double height = side * sqrt(h2) / fabs(side);
+    const double height = krhpr_min(side / fabs(side), 1.0) * sqrt(h2);
     const double t3 = g->k[0] * height;
     const double s_0 = g->g[0] + foot_0 + t3;
     const double s_1 = t3 + (g->g[1] + foot_1);

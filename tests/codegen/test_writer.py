@@ -158,9 +158,11 @@ def test_calls_and_tangents_of_kernels() -> None:
 def test_choices() -> None:
     k = KernelWriter("choices", "")
     x, y, z = k.input("x", (3,))
-    k.output("out", sp.Matrix([k.minimum(x, y, z), k.maximum(x, y, z), k.absolute(x - y)]))
+    k.output(
+        "out", sp.Matrix([k.minimum(x, y, z), k.maximum(x, y, z), k.absolute(x - y), k.sign(y), k.sign(z)])
+    )
     values = {"x": [Exact(2), Exact(-5), Exact(3)]}
-    assert evaluate_kernel(k.kernel(), values, None, RATIONAL)["out"] == [-5, 3, 7]
+    assert evaluate_kernel(k.kernel(), values, None, RATIONAL)["out"] == [-5, 3, 7, -1, 1]
 
 
 def test_an_arctangent_is_one_operation() -> None:
