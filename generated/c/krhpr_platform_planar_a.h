@@ -832,8 +832,8 @@ static inline void krhpr_platform_planar_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 56 multiply, 2
- * divide, 3 square root, 5 select) */
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54 multiply, 2
+ * divide, 3 square root, 4 select) */
 static inline void krhpr_platform_planar_a_one_encoder(
     const double s[6], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
@@ -876,22 +876,23 @@ static inline void krhpr_platform_planar_a_one_encoder(
     const double t7 = fabs(miss_plus);
     const double t8 = fabs(miss_minus);
     const double gap = t8 - t7;
-    const double sign = krhpr_min(gap / fabs(gap), 1.0);
-    const double t9 = root * (L * sign);
-    const double cos_best = t3 - t9;
-    const double t10 = root * (M * sign);
-    const double sin_best = t5 + t10;
-    const double cos_other = t3 + t9;
-    const double sin_other = t5 - t10;
-    const double t11 = 0.5 * miss_minus + 0.5 * miss_plus;
-    const double t12 = 0.5 * sign * (miss_plus - miss_minus);
+    const double t9 = gap + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double sign = t9 / fabs(t9);
+    const double t10 = t4 * sign;
+    const double cos_best = t3 - t10;
+    const double t11 = t6 * sign;
+    const double sin_best = t5 + t11;
+    const double cos_other = t3 + t10;
+    const double sin_other = t5 - t11;
+    const double t12 = 0.5 * miss_minus + 0.5 * miss_plus;
+    const double t13 = 0.5 * sign * (miss_plus - miss_minus);
     radicand[0] = radicand_a;
     p[0] = s[0] + e_1_1 * sin_best - e_1_0 * cos_best;
     p[1] = s[1] - e_1_1 * cos_best - e_1_0 * sin_best;
     p[2] = s[0] + e_1_1 * sin_other - e_1_0 * cos_other;
     p[3] = s[1] - e_1_1 * cos_other - e_1_0 * sin_other;
-    mismatch[0] = t11 + t12;
-    mismatch[1] = t11 - t12;
+    mismatch[0] = t12 + t13;
+    mismatch[1] = t12 - t13;
     agreement[0] = tolerance - krhpr_min(t7, t8);
     tail_y[0] = sin_best;
     tail_y[1] = sin_other;

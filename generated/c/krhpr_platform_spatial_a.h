@@ -1062,8 +1062,8 @@ static inline void krhpr_platform_spatial_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 133 multiply, 5
- * divide, 5 square root, 5 select) */
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (98 add, 131 multiply, 5
+ * divide, 5 square root, 4 select) */
 static inline void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand,
@@ -1131,27 +1131,28 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     const double t9 = fabs(miss_plus);
     const double t10 = fabs(miss_minus);
     const double gap = t10 - t9;
-    const double sign = krhpr_min(gap / fabs(gap), 1.0);
-    const double t11 = root * (L * sign);
-    const double cos_best = t5 - t11;
-    const double t12 = root * (M * sign);
-    const double sin_best = t7 + t12;
-    const double cos_other = t5 + t11;
-    const double sin_other = t7 - t12;
-    const double t13 = e_1_1 * sin_best - e_1_0 * cos_best;
-    const double t14 = e_1_1 * cos_best + e_1_0 * sin_best;
-    const double t15 = e_1_1 * sin_other - e_1_0 * cos_other;
-    const double t16 = e_1_1 * cos_other + e_1_0 * sin_other;
-    const double t17 = 0.5 * miss_minus + 0.5 * miss_plus;
-    const double t18 = 0.5 * sign * (miss_plus - miss_minus);
+    const double t11 = gap + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double sign = t11 / fabs(t11);
+    const double t12 = t6 * sign;
+    const double cos_best = t5 - t12;
+    const double t13 = t8 * sign;
+    const double sin_best = t7 + t13;
+    const double cos_other = t5 + t12;
+    const double sin_other = t7 - t13;
+    const double t14 = e_1_1 * sin_best - e_1_0 * cos_best;
+    const double t15 = e_1_1 * cos_best + e_1_0 * sin_best;
+    const double t16 = e_1_1 * sin_other - e_1_0 * cos_other;
+    const double t17 = e_1_1 * cos_other + e_1_0 * sin_other;
+    const double t18 = 0.5 * miss_minus + 0.5 * miss_plus;
+    const double t19 = 0.5 * sign * (miss_plus - miss_minus);
     flatness[0] = flatness_0;
     radicand[0] = radicand_a;
-    p[0] = s[0] + x_1_0 * t13 - y_1_0 * t14;
-    p[1] = s[1] + x_1_1 * t13 - y_1_1 * t14;
-    p[2] = s[2] + x_1_2 * t13 - y_1_2 * t14;
-    p[3] = s[0] + x_1_0 * t15 - y_1_0 * t16;
-    p[4] = s[1] + x_1_1 * t15 - y_1_1 * t16;
-    p[5] = s[2] + x_1_2 * t15 - y_1_2 * t16;
+    p[0] = s[0] + x_1_0 * t14 - y_1_0 * t15;
+    p[1] = s[1] + x_1_1 * t14 - y_1_1 * t15;
+    p[2] = s[2] + x_1_2 * t14 - y_1_2 * t15;
+    p[3] = s[0] + x_1_0 * t16 - y_1_0 * t17;
+    p[4] = s[1] + x_1_1 * t16 - y_1_1 * t17;
+    p[5] = s[2] + x_1_2 * t16 - y_1_2 * t17;
     Q[0] = x_1_0 * cos_best + y_1_0 * sin_best;
     Q[1] = y_1_0 * cos_best - x_1_0 * sin_best;
     Q[2] = z_1_0;
@@ -1170,8 +1171,8 @@ static inline void krhpr_platform_spatial_a_one_encoder(
     Q[15] = x_1_2 * cos_other + y_1_2 * sin_other;
     Q[16] = y_1_2 * cos_other - x_1_2 * sin_other;
     Q[17] = z_1_2;
-    mismatch[0] = t17 + t18;
-    mismatch[1] = t17 - t18;
+    mismatch[0] = t18 + t19;
+    mismatch[1] = t18 - t19;
     agreement[0] = tolerance - krhpr_min(t9, t10);
 }
 

@@ -102,8 +102,8 @@ static inline void krhpr_subleg_delta_forward_angles(const double theta[3], doub
     angle[2] = theta[2];
 }
 
-/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (47 add, 65 multiply, 2 divide,
- * 1 square root, 2 select) */
+/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply, 2 divide,
+ * 1 square root, 1 select) */
 static inline void krhpr_subleg_delta_forward(
     const krhpr_subleg_delta_geometry *g, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
@@ -138,7 +138,8 @@ static inline void krhpr_subleg_delta_forward(
     const double foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
     const double h2 = t4 * (g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
-    const double height = krhpr_min(side / fabs(side), 1.0) * sqrt(h2);
+    const double t5 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double height = t5 * sqrt(h2) / fabs(t5);
     s[0] = k_1_0 + foot_0 + n_0 * height;
     s[1] = k_1_1 + foot_1 + n_1 * height;
     s[2] = k_1_2 + foot_2 + n_2 * height;
@@ -154,8 +155,8 @@ static inline void krhpr_subleg_delta_forward_posture_angles(
     angle[2] = theta[2];
 }
 
-/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (71 add, 83
- * multiply, 2 divide, 1 square root, 2 select) */
+/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 83
+ * multiply, 2 divide, 1 square root, 1 select) */
 static inline void krhpr_subleg_delta_forward_posture(
     const krhpr_subleg_delta_geometry *g, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
@@ -200,7 +201,8 @@ static inline void krhpr_subleg_delta_forward_posture(
     const double foot_2 = t13 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
     const double h2 = t13 * (g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
-    const double height = krhpr_min(side / fabs(side), 1.0) * sqrt(h2);
+    const double t14 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double height = t14 * sqrt(h2) / fabs(t14);
     const double s_0 = k_1_0 + foot_0 + n_0 * height;
     const double s_1 = k_1_1 + foot_1 + n_1 * height;
     const double s_2 = k_1_2 + foot_2 + n_2 * height;

@@ -97,8 +97,8 @@ static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g)
     g->k[10] = 1.0 / g->r_g;
 }
 
-/* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply, 1 divide,
- * 1 square root, 2 select) */
+/* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply, 1 divide,
+ * 1 square root, 1 select) */
 static inline void krhpr_subleg_ups3_forward(
     const krhpr_subleg_ups3_geometry *g, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
@@ -112,16 +112,17 @@ static inline void krhpr_subleg_ups3_forward(
     const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
     const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0] * (s_near[0] - g->g[0]) + g->k[0] * (s_near[1] - g->g[1]) + g->k[1] * (s_near[2] - g->g[2]);
-    const double height = krhpr_min(side / fabs(side), 1.0) * sqrt(h2);
-    const double t3 = g->k[0] * height;
-    s[0] = g->g[0] + foot_0 + t3;
-    s[1] = t3 + (g->g[1] + foot_1);
+    const double t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double height = t3 * sqrt(h2) / fabs(t3);
+    const double t4 = g->k[0] * height;
+    s[0] = g->g[0] + foot_0 + t4;
+    s[1] = t4 + (g->g[1] + foot_1);
     s[2] = g->g[2] + foot_2 + g->k[1] * height;
     *radicand = h2;
 }
 
-/* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (30 add, 25
- * multiply, 1 divide, 1 square root, 2 select) */
+/* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 25
+ * multiply, 1 divide, 1 square root, 1 select) */
 static inline void krhpr_subleg_ups3_forward_posture(
     const krhpr_subleg_ups3_geometry *g, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
@@ -136,10 +137,11 @@ static inline void krhpr_subleg_ups3_forward_posture(
     const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
     const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0] * (s_near[0] - g->g[0]) + g->k[0] * (s_near[1] - g->g[1]) + g->k[1] * (s_near[2] - g->g[2]);
-    const double height = krhpr_min(side / fabs(side), 1.0) * sqrt(h2);
-    const double t3 = g->k[0] * height;
-    const double s_0 = g->g[0] + foot_0 + t3;
-    const double s_1 = t3 + (g->g[1] + foot_1);
+    const double t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double height = t3 * sqrt(h2) / fabs(t3);
+    const double t4 = g->k[0] * height;
+    const double s_0 = g->g[0] + foot_0 + t4;
+    const double s_1 = t4 + (g->g[1] + foot_1);
     const double s_2 = g->g[2] + foot_2 + g->k[1] * height;
     const double w_1_0 = s_0 - g->g[0]; /* strut 1 */
     const double w_1_1 = s_1 - g->g[1];

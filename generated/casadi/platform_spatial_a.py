@@ -1149,8 +1149,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (97 add, 133
-    multiply, 5 divide, 5 square root, 5 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (98 add, 131
+    multiply, 5 divide, 5 square root, 4 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1218,19 +1218,20 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t9 = ca.fabs(miss_plus)
     t10 = ca.fabs(miss_minus)
     gap = t10 - t9
-    sign = ca.fmin(gap / ca.fabs(gap), 1)
-    t11 = root * (L * sign)
-    cos_best = t5 - t11
-    t12 = root * (M * sign)
-    sin_best = t7 + t12
-    cos_other = t5 + t11
-    sin_other = t7 - t12
-    t13 = e_1_1 * sin_best - e_1_0 * cos_best
-    t14 = e_1_1 * cos_best + e_1_0 * sin_best
-    t15 = e_1_1 * sin_other - e_1_0 * cos_other
-    t16 = e_1_1 * cos_other + e_1_0 * sin_other
-    t17 = 0.5 * miss_minus + 0.5 * miss_plus
-    t18 = 0.5 * sign * (miss_plus - miss_minus)
+    t11 = gap + (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000)
+    sign = t11 / ca.fabs(t11)
+    t12 = t6 * sign
+    cos_best = t5 - t12
+    t13 = t8 * sign
+    sin_best = t7 + t13
+    cos_other = t5 + t12
+    sin_other = t7 - t13
+    t14 = e_1_1 * sin_best - e_1_0 * cos_best
+    t15 = e_1_1 * cos_best + e_1_0 * sin_best
+    t16 = e_1_1 * sin_other - e_1_0 * cos_other
+    t17 = e_1_1 * cos_other + e_1_0 * sin_other
+    t18 = 0.5 * miss_minus + 0.5 * miss_plus
+    t19 = 0.5 * sign * (miss_plus - miss_minus)
     return (
         (  # flatness
             flatness_0,
@@ -1239,12 +1240,12 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             radicand_a,
         ),
         (  # p
-            s_00 + x_1_0 * t13 - y_1_0 * t14,
-            s_01 + x_1_1 * t13 - y_1_1 * t14,
-            s_02 + x_1_2 * t13 - y_1_2 * t14,
-            s_00 + x_1_0 * t15 - y_1_0 * t16,
-            s_01 + x_1_1 * t15 - y_1_1 * t16,
-            s_02 + x_1_2 * t15 - y_1_2 * t16,
+            s_00 + x_1_0 * t14 - y_1_0 * t15,
+            s_01 + x_1_1 * t14 - y_1_1 * t15,
+            s_02 + x_1_2 * t14 - y_1_2 * t15,
+            s_00 + x_1_0 * t16 - y_1_0 * t17,
+            s_01 + x_1_1 * t16 - y_1_1 * t17,
+            s_02 + x_1_2 * t16 - y_1_2 * t17,
         ),
         (  # Q
             x_1_0 * cos_best + y_1_0 * sin_best,
@@ -1267,8 +1268,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             z_1_2,
         ),
         (  # mismatch
-            t17 + t18,
-            t17 - t18,
+            t18 + t19,
+            t18 - t19,
         ),
         (  # agreement
             tolerance - ca.fmin(t9, t10),

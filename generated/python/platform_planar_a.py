@@ -906,8 +906,8 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (54 add, 56
-    multiply, 2 divide, 3 square root, 2 arctangent, 5 select)"""
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54
+    multiply, 2 divide, 3 square root, 2 arctangent, 4 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -950,15 +950,16 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     t7 = np.abs(miss_plus)
     t8 = np.abs(miss_minus)
     gap = t8 - t7
-    sign = np.fmin(gap / np.abs(gap), 1)
-    t9 = root * (L * sign)
-    cos_best = t3 - t9
-    t10 = root * (M * sign)
-    sin_best = t5 + t10
-    cos_other = t3 + t9
-    sin_other = t5 - t10
-    t11 = 0.5 * miss_minus + 0.5 * miss_plus
-    t12 = 0.5 * sign * (miss_plus - miss_minus)
+    t9 = gap + (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000)
+    sign = t9 / np.abs(t9)
+    t10 = t4 * sign
+    cos_best = t3 - t10
+    t11 = t6 * sign
+    sin_best = t5 + t11
+    cos_other = t3 + t10
+    sin_other = t5 - t11
+    t12 = 0.5 * miss_minus + 0.5 * miss_plus
+    t13 = 0.5 * sign * (miss_plus - miss_minus)
     return (
         (  # radicand
             radicand_a,
@@ -974,8 +975,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             np.arctan2(sin_other, cos_other),
         ),
         (  # mismatch
-            t11 + t12,
-            t11 - t12,
+            t12 + t13,
+            t12 - t13,
         ),
         (  # agreement
             tolerance - np.fmin(t7, t8),

@@ -76,8 +76,8 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (47 add, 65 multiply,
-    2 divide, 1 square root, 3 sine cosine, 2 select)"""
+    """End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply,
+    2 divide, 1 square root, 3 sine cosine, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     cos_1 = np.cos(theta_0)
@@ -116,7 +116,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1))
     h2 = t4 * (g.k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     side = n_0 * (s_near_0 - k_1_0) + n_1 * (s_near_1 - k_1_1) + n_2 * (s_near_2 - k_1_2)
-    height = np.fmin(side / np.abs(side), 1) * np.sqrt(h2)
+    t5 = side + (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000)
+    height = t5 * np.sqrt(h2) / np.abs(t5)
     return (
         (  # s
             k_1_0 + foot_0 + n_0 * height,
@@ -130,8 +131,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (71 add,
-    83 multiply, 2 divide, 1 square root, 3 sine cosine, 2 select)"""
+    """End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add,
+    83 multiply, 2 divide, 1 square root, 3 sine cosine, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     cos_1 = np.cos(theta_0)
@@ -179,7 +180,8 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     foot_2 = t13 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1))
     h2 = t13 * (g.k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     side = n_0 * (s_near_0 - k_1_0) + n_1 * (s_near_1 - k_1_1) + n_2 * (s_near_2 - k_1_2)
-    height = np.fmin(side / np.abs(side), 1) * np.sqrt(h2)
+    t14 = side + (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000)
+    height = t14 * np.sqrt(h2) / np.abs(t14)
     s_0 = k_1_0 + foot_0 + n_0 * height
     s_1 = k_1_1 + foot_1 + n_1 * height
     s_2 = k_1_2 + foot_2 + n_2 * height

@@ -82,8 +82,8 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (21 add, 25 multiply,
-    1 divide, 1 square root, 2 select)"""
+    """End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply,
+    1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
@@ -95,12 +95,13 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     foot_2 = g.k[6] * (g.k[0] * q_2 + g.k[0] * q_3)
     h2 = g.k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     side = g.k[0] * (s_near_0 - g.g[0]) + g.k[0] * (s_near_1 - g.g[1]) + g.k[1] * (s_near_2 - g.g[2])
-    height = np.fmin(side / np.abs(side), 1) * np.sqrt(h2)
-    t3 = g.k[0] * height
+    t3 = side + (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000)
+    height = t3 * np.sqrt(h2) / np.abs(t3)
+    t4 = g.k[0] * height
     return (
         (  # s
-            g.g[0] + foot_0 + t3,
-            t3 + (g.g[1] + foot_1),
+            g.g[0] + foot_0 + t4,
+            t4 + (g.g[1] + foot_1),
             g.g[2] + foot_2 + g.k[1] * height,
         ),
         (  # radicand
@@ -110,8 +111,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (30 add,
-    25 multiply, 1 divide, 1 square root, 2 select)"""
+    """End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add,
+    25 multiply, 1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
@@ -123,10 +124,11 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     foot_2 = g.k[6] * (g.k[0] * q_2 + g.k[0] * q_3)
     h2 = g.k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     side = g.k[0] * (s_near_0 - g.g[0]) + g.k[0] * (s_near_1 - g.g[1]) + g.k[1] * (s_near_2 - g.g[2])
-    height = np.fmin(side / np.abs(side), 1) * np.sqrt(h2)
-    t3 = g.k[0] * height
-    s_0 = g.g[0] + foot_0 + t3
-    s_1 = t3 + (g.g[1] + foot_1)
+    t3 = side + (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000)
+    height = t3 * np.sqrt(h2) / np.abs(t3)
+    t4 = g.k[0] * height
+    s_0 = g.g[0] + foot_0 + t4
+    s_1 = t4 + (g.g[1] + foot_1)
     s_2 = g.g[2] + foot_2 + g.k[1] * height
     w_1_0 = s_0 - g.g[0]  # strut 1
     w_1_1 = s_1 - g.g[1]

@@ -136,9 +136,10 @@ class KernelWriter:
         """The absolute value, kept as one operation."""
         return self._symbol(self._graph.absolute(self._convert(value)))
 
-    def sign(self, value: Any) -> sp.Symbol:
-        """-1 or +1; +1 for zero, where the quotient is NaN, which is no minimum."""
-        return self.minimum(value / self.absolute(value), sp.Integer(1))
+    def sign(self, value: Any) -> sp.Expr:
+        """-1 or +1; +1 for zero, to which is added what is nothing beside all other numbers."""
+        shifted = self._symbol(self._convert(value + sp.Rational(1, 10**300)))
+        return shifted / self.absolute(shifted)
 
     def call(self, kernel: Kernel, /, **arguments: Any) -> SimpleNamespace:
         """Write another kernel's formulas here, with its inputs given; returns its outputs by name."""
