@@ -93,7 +93,9 @@ def orthonormalised(subject: Subject, check: Check, count: int) -> Measured:
             found.equal(result["raw"], [column[i] for i in range(d) for column in columns], "raw")
             p = [s[i] + sum((state[4 + k] * axes[k][i] for k in range(2)), Ball(0)) for i in range(d)]
             found.equal(result["p"], p, "p")
-            q_x = [x / sqrt(dot(columns[0], columns[0])) for x in columns[0]]
+            square = dot(columns[0], columns[0])
+            found.equal(result["direction"], [square], "direction")
+            q_x = [x / sqrt(square) for x in columns[0]]
             if subject.planar:
                 phi = result["phi"][0]
                 found.equal([phi.cos(), phi.sin()], q_x, "phi")
