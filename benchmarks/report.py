@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from benchmarks.contender import OURS, Missing
@@ -169,7 +169,7 @@ def one_by_one(candidates: Sequence[Entry]) -> list[Entry]:
         return []
     series = {"batch": scalar.series["throughput"]}
     variant = f"{scalar.variant}, one call per pose"
-    return [Entry(scalar.name, variant, scalar.error, series, scalar.text, layout="aos")]
+    return [replace(scalar, variant=variant, series=series, generate_ms=None, layout="aos")]
 
 
 def batch_table(candidates: Sequence[Entry]) -> str:
