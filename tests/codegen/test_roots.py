@@ -34,17 +34,24 @@ void many(int n, int count, const double *c, double error, double *x, double *y,
 
 
 @cache
-def library(folder: Path) -> ctypes.CDLL:
-    """The header, compiled."""
+def library(folder: Path, steps: int) -> ctypes.CDLL:
+    """The header, compiled, with at most so many steps to a root."""
+    text, bound = (c_sources() / "krhpr_roots.h").read_text(), "step < 96"
+    assert text.count(bound) == 1
+    (folder / "krhpr_roots.h").write_text(text.replace(bound, f"step < {steps}"))
     source = folder / "driver.c"
     source.write_text(DRIVER)
-    return load_library(compile_library("krhpr_roots_test", [source], include_dirs=[c_sources()]))
+    return load_library(compile_library("krhpr_roots_test", [source], include_dirs=[folder, c_sources()]))
 
 
 @pytest.fixture(scope="session")
 def in_c(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return solver(tmp_path_factory.mktemp("roots"))
+
+
+def solver(folder: Path, steps: int = 96) -> Any:
     """krhpr_real_roots for coefficients (count, n + 1): x, y, count, doubtful."""
-    compiled = library(tmp_path_factory.mktemp("roots"))
+    compiled = library(folder, steps)
 
     def run(coefficients: Any, error: float = 0.0) -> tuple[Any, Any, Any, Any]:
         c = np.ascontiguousarray(np.atleast_2d(coefficients), dtype=float)
@@ -163,6 +170,15 @@ def test_places_are_those_of_many_digits() -> None:
                 )
             got = np.sort((found.x / found.y)[: found.count])
             assert got == pytest.approx(wanted, rel=1e-11, abs=1e-13)
+
+
+def test_few_steps_lead_to_a_root(in_c: Any, tmp_path: Path) -> None:
+    """Newton's steps from the crossing of the control polygon: hardly a root needs more than eight."""
+    c = np.random.default_rng(17).normal(size=(4_000, 7))
+    x, _, count, _ = in_c(c)
+    quick, _, same, _ = solver(tmp_path, 8)(c)
+    assert np.array_equal(count, same)
+    assert (np.abs(quick - x)[np.isfinite(x)] < 1e-9).mean() > 0.995
 
 
 @pytest.mark.parametrize("degree", DEGREES)
