@@ -101,6 +101,12 @@ def run(command: Sequence[str | Path], *, text: str | None = None, cwd: Path | N
     return done.stdout
 
 
+def sections(compiled: Path) -> dict[str, int]:
+    """Sections of an object and their sizes."""
+    rows = [line.split() for line in run([program("size"), "-A", compiled]).splitlines()]
+    return {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
+
+
 def table(identifier: str) -> str:
     """C text that tells a harness which functions a robot has (harness.h declares the types)."""
     lines = [f'#include "krhpr_{identifier}.h"', f"typedef krhpr_{identifier}_geometry geometry;"]

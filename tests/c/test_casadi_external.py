@@ -20,7 +20,7 @@ import pytest
 
 import krhpr
 from krhpr.codegen.composition import SIGNS
-from tests.c.support import CHOICES, CONFORMANCE, ROBOTS, SOURCES, program, run
+from tests.c.support import CHOICES, CONFORMANCE, ROBOTS, SOURCES, program, run, sections
 from tests.support import large
 
 ca = pytest.importorskip("casadi")
@@ -294,10 +294,8 @@ def test_strict_c99(robot: str, compiler: str) -> None:
 def test_no_writable_data_and_no_other_names(robot: str, library: Load) -> None:
     """Tables are constant; what is exported is what CasADi looks up."""
     compiled = library(robot).with_suffix(".o")
-    rows = [line.split() for line in run([program("size"), "-A", compiled]).splitlines()]
-    sections = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
     written = re.compile(r"\.(data(?!\.rel\.ro)|bss|tdata|tbss)\b")
-    assert not {name: size for name, size in sections.items() if written.match(name) and size}
+    assert not {name: size for name, size in sections(compiled).items() if written.match(name) and size}
     names = [line.split() for line in run([program("nm"), compiled]).splitlines()]
     offered = {name for *_, kind, name in names if kind == "T"}
     wanted = r"_n_in|_n_out|_name_in|_name_out|_sparsity_in|_sparsity_out|_work|_diff_in|"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, program, run
+from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, program, run, sections
 
 HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
 LARGEST_FRAME = 8192
@@ -85,7 +85,7 @@ def test_objects(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Pa
     """No warning; undefined symbols are on a short list (no allocation, no pow), all others are prefixed; and
     there is no state: nothing in .data, .bss or thread-local storage, and no common symbols.
     """
-    nm, size = program("nm"), program("size")
+    nm = program("nm")
     library = compile_object(compiler, robot, tmp_path, *CONFORMANCE, *flags, "-fPIC", "-fno-stack-protector")
     needed, offered = set(), set()
     for line in run([nm, library]).splitlines():
@@ -97,11 +97,10 @@ def test_objects(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Pa
     assert needed - POSITION_INDEPENDENCE <= ALLOWED
     assert {kind for kind, _ in offered} == {"T"}, "functions alone are exported"
     assert all(name.startswith(f"krhpr_{robot}_") for _, name in offered)
-    rows = [line.split() for line in run([size, "-A", library]).splitlines()]
-    sections = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
-    assert sections[".text"] > 0
+    found = sections(library)
+    assert found[".text"] > 0
     kinds = re.compile(r"\.(data|bss|tdata|tbss|ldata|lbss|common)\b")
-    writable = {name: length for name, length in sections.items() if kinds.match(name) and length}
+    writable = {name: length for name, length in found.items() if kinds.match(name) and length}
     assert not writable
 
 
