@@ -26,7 +26,7 @@ GLUE = """#include <gsl/gsl_poly.h>
         workspace = gsl_poly_complex_workspace_alloc(7);
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&geometry.platform[i], anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_tie(&geometry.platform, i, anchor + 2 * i, length + i);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, 1.0, sign, flatness, points, axes, sextic);
     gsl_poly_complex_solve(sextic, 7, workspace, z);

@@ -45,6 +45,9 @@
 #define KRHPR_ROLLED
 #endif
 
+/* Three legs and, so that registers are full, a place that repeats the third: the length of a geometry's arrays. */
+#define KRHPR_PLACES 4
+
 /* What a function says about its answer.  Answers that do not exist are NaN. */
 typedef enum {
     KRHPR_OK = 0, /* the answer is valid */

@@ -15,26 +15,36 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_planar_fivebar_a_prepare(krhpr_planar_fivebar_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_fivebar_prepare(&g->subleg[i]);
-        krhpr_platform_planar_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_0, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->subleg[i].l_4 > 0.0;
-        valid &= g->subleg[i].l_6 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_0[KRHPR_PLACES - 1] = g->subleg.l_0[2];
+    valid &= krhpr_taint(g->subleg.l_0, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
+    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
+    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_fivebar_prepare(&g->subleg, i);
+        krhpr_platform_planar_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->subleg.l_4[i] > 0.0;
+        valid &= g->subleg.l_6[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -43,16 +53,16 @@ KRHPR_API int krhpr_planar_fivebar_a_set_geometry(krhpr_planar_fivebar_a_geometr
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 10 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_0 = leg[2];
-        g->subleg[i].l_2 = leg[3];
-        g->subleg[i].l_3 = leg[4];
-        g->subleg[i].l_4 = leg[5];
-        g->subleg[i].l_6 = leg[6];
-        g->platform[i].platform_azimuth = leg[7];
-        g->platform[i].R_p = leg[8];
-        g->platform[i].l_r = leg[9];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_0[i] = leg[2];
+        g->subleg.l_2[i] = leg[3];
+        g->subleg.l_3[i] = leg[4];
+        g->subleg.l_4[i] = leg[5];
+        g->subleg.l_6[i] = leg[6];
+        g->platform.platform_azimuth[i] = leg[7];
+        g->platform.R_p[i] = leg[8];
+        g->platform.l_r[i] = leg[9];
     }
     return krhpr_planar_fivebar_a_prepare(g);
 }
@@ -93,7 +103,7 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point(
-            &g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+            &g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -136,7 +146,7 @@ KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates(
     double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_planar_a_redundant(&g->platform, i, p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -185,7 +195,7 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward(
-            &g->subleg[i], assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
+            &g->subleg, i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -231,7 +241,7 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward_all(
-            &g->subleg[i], sine + 2 * i, cosine + 2 * i, s + 4 * i, &radicand[i]);
+            &g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -272,7 +282,7 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse(
     double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_inverse_all(
-            &g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+            &g->subleg, i, s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -332,8 +342,8 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian(
         double u_1[2];
         double u_2[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_jacobian(&g->subleg[i], d, u_1, u_2, M + 4 * i, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_jacobian(&g->subleg, i, d, u_1, u_2, M + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -378,7 +388,7 @@ KRHPR_API int krhpr_planar_fivebar_a_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -431,10 +441,10 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians(
         double u_1[2];
         double u_2[2];
         double K_block[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K_block, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -492,10 +502,10 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K + 2 * i, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -552,9 +562,9 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
         krhpr_subleg_planar_fivebar_inverse(
-            &g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
+            &g->subleg, i, s, mode + 2 * i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -613,9 +623,9 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
         krhpr_subleg_planar_fivebar_inverse_all(
-            &g->subleg[i], s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+            &g->subleg, i, s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -679,8 +689,8 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_fivebar_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_fivebar_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -740,11 +750,11 @@ KRHPR_API int krhpr_planar_fivebar_a_twist(
         double u_1[2];
         double u_2[2];
         double s_dot[2];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_dot + 2 * i, s_dot, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_dot + 2 * i, s_dot, &regularity[i]);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -808,11 +818,11 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates(
         double u_1[2];
         double u_2[2];
         krhpr_platform_planar_a_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_rates(
-            &g->subleg[i], d, u_1, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -878,16 +888,16 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_fivebar_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
             &regularity[i]);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_ddot + 2 * i, along, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_ddot + 2 * i, along, &regularity[i]);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_a_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -958,16 +968,16 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
         double u_1[2];
         double u_2[2];
         krhpr_platform_planar_a_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_fivebar_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
             bias, &parallel_regularity[i]);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_rates(
-            &g->subleg[i], d, u_1, u_2, along, theta_ddot + 2 * i, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -1033,10 +1043,10 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_passive(&g->subleg[i], d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_passive(&g->subleg, i, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
         krhpr_platform_planar_a_joint(
-            &g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
+            &g->platform, i, p, Q, s + 2 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 12 + 1 * i, tail_x + 12 + 1 * i);
     }
     krhpr_atan2_array(15, tail_y, tail_x, tail);
@@ -1094,9 +1104,9 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points(
         double u_1[2];
         double u_2[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_points(&g->subleg[i], u_1, u_2, s + 2 * i, points + 10 * i);
-        krhpr_platform_planar_a_attachment(&g->platform[i], p, Q, attachment + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_points(&g->subleg, i, u_1, u_2, s + 2 * i, points + 10 * i);
+        krhpr_platform_planar_a_attachment(&g->platform, i, p, Q, attachment + 2 * i);
     }
     return status;
 }
@@ -1151,10 +1161,10 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity(
         double u_2[2];
         double N[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 3 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 3 * i);
         krhpr_platform_planar_a_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1201,7 +1211,7 @@ KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1245,7 +1255,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1374,8 +1384,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward(
-            &g->subleg[i], assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+            &g->subleg, i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1505,7 +1515,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton(
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1594,8 +1604,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1(
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1667,8 +1677,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1745,8 +1755,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1825,8 +1835,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1924,8 +1934,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -13,26 +13,37 @@ static const double assembly_default[3] = {-1.0, -1.0, -1.0};
 KRHPR_API int krhpr_planar_fivebar_b_prepare(krhpr_planar_fivebar_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_fivebar_prepare(&g->subleg[i]);
-        krhpr_platform_planar_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_0, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_x, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_y, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->subleg[i].l_4 > 0.0;
-        valid &= g->subleg[i].l_6 > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_0[KRHPR_PLACES - 1] = g->subleg.l_0[2];
+    valid &= krhpr_taint(g->subleg.l_0, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
+    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
+    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.b_x[KRHPR_PLACES - 1] = g->platform.b_x[2];
+    valid &= krhpr_taint(g->platform.b_x, KRHPR_PLACES) == 0.0;
+    g->platform.b_y[KRHPR_PLACES - 1] = g->platform.b_y[2];
+    valid &= krhpr_taint(g->platform.b_y, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_fivebar_prepare(&g->subleg, i);
+        krhpr_platform_planar_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->subleg.l_4[i] > 0.0;
+        valid &= g->subleg.l_6[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -41,17 +52,17 @@ KRHPR_API int krhpr_planar_fivebar_b_set_geometry(krhpr_planar_fivebar_b_geometr
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 11 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_0 = leg[2];
-        g->subleg[i].l_2 = leg[3];
-        g->subleg[i].l_3 = leg[4];
-        g->subleg[i].l_4 = leg[5];
-        g->subleg[i].l_6 = leg[6];
-        g->platform[i].platform_azimuth = leg[7];
-        g->platform[i].b_x = leg[8];
-        g->platform[i].b_y = leg[9];
-        g->platform[i].l_r = leg[10];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_0[i] = leg[2];
+        g->subleg.l_2[i] = leg[3];
+        g->subleg.l_3[i] = leg[4];
+        g->subleg.l_4[i] = leg[5];
+        g->subleg.l_6[i] = leg[6];
+        g->platform.platform_azimuth[i] = leg[7];
+        g->platform.b_x[i] = leg[8];
+        g->platform.b_y[i] = leg[9];
+        g->platform.l_r[i] = leg[10];
     }
     return krhpr_planar_fivebar_b_prepare(g);
 }
@@ -88,7 +99,7 @@ KRHPR_API int krhpr_planar_fivebar_b_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -128,7 +139,7 @@ KRHPR_API int krhpr_planar_fivebar_b_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_b_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -173,7 +184,7 @@ KRHPR_API int krhpr_planar_fivebar_b_subleg_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward(
-            &g->subleg[i], assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
+            &g->subleg, i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -219,7 +230,7 @@ KRHPR_API int krhpr_planar_fivebar_b_subleg_forward_all(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward_all(
-            &g->subleg[i], sine + 2 * i, cosine + 2 * i, s + 4 * i, &radicand[i]);
+            &g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -260,7 +271,7 @@ KRHPR_API int krhpr_planar_fivebar_b_subleg_inverse(
     double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_inverse_all(
-            &g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+            &g->subleg, i, s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -320,8 +331,8 @@ KRHPR_API int krhpr_planar_fivebar_b_subleg_jacobian(
         double u_1[2];
         double u_2[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_jacobian(&g->subleg[i], d, u_1, u_2, M + 4 * i, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_jacobian(&g->subleg, i, d, u_1, u_2, M + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -366,7 +377,7 @@ KRHPR_API int krhpr_planar_fivebar_b_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_b_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -419,10 +430,10 @@ KRHPR_API int krhpr_planar_fivebar_b_jacobians(
         double u_1[2];
         double u_2[2];
         double K_block[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K_block, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -480,10 +491,10 @@ KRHPR_API int krhpr_planar_fivebar_b_jacobian_blocks(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K + 2 * i, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -537,9 +548,9 @@ KRHPR_API int krhpr_planar_fivebar_b_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_fivebar_inverse(
-            &g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
+            &g->subleg, i, s, mode + 2 * i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -595,9 +606,9 @@ KRHPR_API int krhpr_planar_fivebar_b_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_fivebar_inverse_all(
-            &g->subleg[i], s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+            &g->subleg, i, s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -658,8 +669,8 @@ KRHPR_API int krhpr_planar_fivebar_b_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_fivebar_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_fivebar_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -719,11 +730,11 @@ KRHPR_API int krhpr_planar_fivebar_b_twist(
         double u_1[2];
         double u_2[2];
         double s_dot[2];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_dot + 2 * i, s_dot, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_dot + 2 * i, s_dot, &regularity[i]);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -787,11 +798,11 @@ KRHPR_API int krhpr_planar_fivebar_b_joint_rates(
         double u_1[2];
         double u_2[2];
         krhpr_platform_planar_b_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_rates(
-            &g->subleg[i], d, u_1, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -857,16 +868,16 @@ KRHPR_API int krhpr_planar_fivebar_b_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_fivebar_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
             &regularity[i]);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_ddot + 2 * i, along, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_ddot + 2 * i, along, &regularity[i]);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_b_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_b_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -937,16 +948,16 @@ KRHPR_API int krhpr_planar_fivebar_b_joint_accelerations(
         double u_1[2];
         double u_2[2];
         krhpr_platform_planar_b_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_fivebar_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
             bias, &parallel_regularity[i]);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_rates(
-            &g->subleg[i], d, u_1, u_2, along, theta_ddot + 2 * i, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -1012,9 +1023,9 @@ KRHPR_API int krhpr_planar_fivebar_b_passive_joints(
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_passive(&g->subleg[i], d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_planar_b_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_passive(&g->subleg, i, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_planar_b_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -1071,9 +1082,9 @@ KRHPR_API int krhpr_planar_fivebar_b_link_points(
         double u_1[2];
         double u_2[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_points(&g->subleg[i], u_1, u_2, s + 2 * i, points + 10 * i);
-        krhpr_platform_planar_b_attachment(&g->platform[i], Q, s + 2 * i, attachment + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_points(&g->subleg, i, u_1, u_2, s + 2 * i, points + 10 * i);
+        krhpr_platform_planar_b_attachment(&g->platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -1128,10 +1139,10 @@ KRHPR_API int krhpr_planar_fivebar_b_singularity(
         double u_2[2];
         double N[2];
         krhpr_subleg_planar_fivebar_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 3 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 3 * i);
         krhpr_platform_planar_b_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1171,7 +1182,7 @@ KRHPR_API int krhpr_planar_fivebar_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1217,7 +1228,7 @@ KRHPR_API int krhpr_planar_fivebar_b_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1296,8 +1307,8 @@ KRHPR_API int krhpr_planar_fivebar_b_forward(
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward(
-            &g->subleg[i], assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+            &g->subleg, i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
@@ -1373,7 +1384,7 @@ KRHPR_API int krhpr_planar_fivebar_b_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1443,7 +1454,7 @@ KRHPR_API int krhpr_planar_fivebar_b_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1515,7 +1526,7 @@ KRHPR_API int krhpr_planar_fivebar_b_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1606,7 +1617,7 @@ KRHPR_API int krhpr_planar_fivebar_b_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -13,19 +13,26 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_planar_pp_a_prepare(krhpr_planar_pp_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_prepare(&g->subleg[i]);
-        krhpr_platform_planar_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_1[KRHPR_PLACES - 1] = g->subleg.slide_1[2];
+    valid &= krhpr_taint(g->subleg.slide_1, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_2[KRHPR_PLACES - 1] = g->subleg.slide_2[2];
+    valid &= krhpr_taint(g->subleg.slide_2, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_pp_prepare(&g->subleg, i);
+        krhpr_platform_planar_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -34,13 +41,13 @@ KRHPR_API int krhpr_planar_pp_a_set_geometry(krhpr_planar_pp_a_geometry *g, cons
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].slide_1 = leg[2];
-        g->subleg[i].slide_2 = leg[3];
-        g->platform[i].platform_azimuth = leg[4];
-        g->platform[i].R_p = leg[5];
-        g->platform[i].l_r = leg[6];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.slide_1[i] = leg[2];
+        g->subleg.slide_2[i] = leg[3];
+        g->platform.platform_azimuth[i] = leg[4];
+        g->platform.R_p[i] = leg[5];
+        g->platform.l_r[i] = leg[6];
     }
     return krhpr_planar_pp_a_prepare(g);
 }
@@ -81,7 +88,7 @@ KRHPR_API int krhpr_planar_pp_a_end_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point(
-            &g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+            &g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -123,7 +130,7 @@ KRHPR_API int krhpr_planar_pp_a_redundant_coordinates(
     double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_planar_a_redundant(&g->platform, i, p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -158,7 +165,7 @@ KRHPR_API int krhpr_planar_pp_a_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_pp_forward(&g->subleg, i, theta + 2 * i, s + 2 * i);
     }
     return status;
 }
@@ -188,7 +195,7 @@ KRHPR_API int krhpr_planar_pp_a_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_inverse_all(&g->subleg[i], s + 2 * i, theta + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_pp_inverse_all(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -224,8 +231,8 @@ KRHPR_API int krhpr_planar_pp_a_subleg_jacobian(
     }
     for (int i = 0; i < 3; ++i) {
         double v[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_jacobian(&g->subleg[i], M + 4 * i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_jacobian(&g->subleg, i, M + 4 * i);
     }
     return status;
 }
@@ -263,7 +270,7 @@ KRHPR_API int krhpr_planar_pp_a_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -309,9 +316,9 @@ KRHPR_API int krhpr_planar_pp_a_jacobians(
         double N[2];
         double v[2];
         double K_block[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_project(&g->subleg[i], N, K_block);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_project(&g->subleg, i, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -356,9 +363,9 @@ KRHPR_API int krhpr_planar_pp_a_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double v[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_project(&g->subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_project(&g->subleg, i, N, K + 2 * i);
     }
     return status;
 }
@@ -402,8 +409,8 @@ KRHPR_API int krhpr_planar_pp_a_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_pp_inverse(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_pp_inverse(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -453,8 +460,8 @@ KRHPR_API int krhpr_planar_pp_a_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_pp_inverse_all(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_pp_inverse_all(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -503,8 +510,8 @@ KRHPR_API int krhpr_planar_pp_a_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_pp_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_pp_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -557,9 +564,9 @@ KRHPR_API int krhpr_planar_pp_a_twist(
         double scale[2];
         double v[2];
         double s_dot[2];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_velocity(&g->subleg[i], theta_dot + 2 * i, s_dot);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_velocity(&g->subleg, i, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -612,9 +619,9 @@ KRHPR_API int krhpr_planar_pp_a_joint_rates(
         double s_dot[2];
         double v[2];
         krhpr_platform_planar_a_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_rates(&g->subleg[i], s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_rates(&g->subleg, i, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -673,12 +680,12 @@ KRHPR_API int krhpr_planar_pp_a_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_velocity(&g->subleg[i], theta_ddot + 2 * i, along);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_bias(&g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_velocity(&g->subleg, i, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_a_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -737,13 +744,13 @@ KRHPR_API int krhpr_planar_pp_a_joint_accelerations(
         double along[2];
         double v[2];
         krhpr_platform_planar_a_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_pp_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_rates(&g->subleg[i], along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_rates(&g->subleg, i, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -796,10 +803,10 @@ KRHPR_API int krhpr_planar_pp_a_passive_joints(
         double v[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_passive(&g->subleg[i], link);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_passive(&g->subleg, i, link);
         krhpr_platform_planar_a_joint(
-            &g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+            &g->platform, i, p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 3 + 1 * i, tail_x + 3 + 1 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
@@ -846,9 +853,9 @@ KRHPR_API int krhpr_planar_pp_a_link_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double v[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_points(&g->subleg[i], v, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_a_attachment(&g->platform[i], p, Q, attachment + 2 * i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_points(&g->subleg, i, v, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_a_attachment(&g->platform, i, p, Q, attachment + 2 * i);
     }
     return status;
 }
@@ -896,10 +903,10 @@ KRHPR_API int krhpr_planar_pp_a_singularity(
     for (int i = 0; i < 3; ++i) {
         double v[2];
         double N[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_determinant(&g->subleg[i], &type_1[i], factors + i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_determinant(&g->subleg, i, &type_1[i], factors + i);
         krhpr_platform_planar_a_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -945,7 +952,7 @@ KRHPR_API int krhpr_planar_pp_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -988,7 +995,7 @@ KRHPR_API int krhpr_planar_pp_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1104,8 +1111,8 @@ KRHPR_API int krhpr_planar_pp_a_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_subleg_planar_pp_forward(&g->subleg, i, theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1229,7 +1236,7 @@ KRHPR_API int krhpr_planar_pp_a_forward_newton(
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1317,8 +1324,8 @@ KRHPR_API int krhpr_planar_pp_a_forward_encoders_1(
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1389,8 +1396,8 @@ KRHPR_API int krhpr_planar_pp_a_forward_encoders_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1466,8 +1473,8 @@ KRHPR_API int krhpr_planar_pp_a_forward_encoders_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1545,8 +1552,8 @@ KRHPR_API int krhpr_planar_pp_a_forward_gauss_newton_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1643,8 +1650,8 @@ KRHPR_API int krhpr_planar_pp_a_forward_gauss_newton_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

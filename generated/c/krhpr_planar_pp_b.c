@@ -11,19 +11,27 @@
 KRHPR_API int krhpr_planar_pp_b_prepare(krhpr_planar_pp_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_prepare(&g->subleg[i]);
-        krhpr_platform_planar_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_x, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_y, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_1[KRHPR_PLACES - 1] = g->subleg.slide_1[2];
+    valid &= krhpr_taint(g->subleg.slide_1, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_2[KRHPR_PLACES - 1] = g->subleg.slide_2[2];
+    valid &= krhpr_taint(g->subleg.slide_2, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.b_x[KRHPR_PLACES - 1] = g->platform.b_x[2];
+    valid &= krhpr_taint(g->platform.b_x, KRHPR_PLACES) == 0.0;
+    g->platform.b_y[KRHPR_PLACES - 1] = g->platform.b_y[2];
+    valid &= krhpr_taint(g->platform.b_y, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_pp_prepare(&g->subleg, i);
+        krhpr_platform_planar_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -32,14 +40,14 @@ KRHPR_API int krhpr_planar_pp_b_set_geometry(krhpr_planar_pp_b_geometry *g, cons
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 8 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].slide_1 = leg[2];
-        g->subleg[i].slide_2 = leg[3];
-        g->platform[i].platform_azimuth = leg[4];
-        g->platform[i].b_x = leg[5];
-        g->platform[i].b_y = leg[6];
-        g->platform[i].l_r = leg[7];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.slide_1[i] = leg[2];
+        g->subleg.slide_2[i] = leg[3];
+        g->platform.platform_azimuth[i] = leg[4];
+        g->platform.b_x[i] = leg[5];
+        g->platform.b_y[i] = leg[6];
+        g->platform.l_r[i] = leg[7];
     }
     return krhpr_planar_pp_b_prepare(g);
 }
@@ -76,7 +84,7 @@ KRHPR_API int krhpr_planar_pp_b_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -115,7 +123,7 @@ KRHPR_API int krhpr_planar_pp_b_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_b_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -146,7 +154,7 @@ KRHPR_API int krhpr_planar_pp_b_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_pp_forward(&g->subleg, i, theta + 2 * i, s + 2 * i);
     }
     return status;
 }
@@ -176,7 +184,7 @@ KRHPR_API int krhpr_planar_pp_b_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_inverse_all(&g->subleg[i], s + 2 * i, theta + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_pp_inverse_all(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -212,8 +220,8 @@ KRHPR_API int krhpr_planar_pp_b_subleg_jacobian(
     }
     for (int i = 0; i < 3; ++i) {
         double v[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_jacobian(&g->subleg[i], M + 4 * i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_jacobian(&g->subleg, i, M + 4 * i);
     }
     return status;
 }
@@ -251,7 +259,7 @@ KRHPR_API int krhpr_planar_pp_b_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_b_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -297,9 +305,9 @@ KRHPR_API int krhpr_planar_pp_b_jacobians(
         double N[2];
         double v[2];
         double K_block[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_project(&g->subleg[i], N, K_block);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_project(&g->subleg, i, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -344,9 +352,9 @@ KRHPR_API int krhpr_planar_pp_b_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double v[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_project(&g->subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_project(&g->subleg, i, N, K + 2 * i);
     }
     return status;
 }
@@ -387,8 +395,8 @@ KRHPR_API int krhpr_planar_pp_b_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pp_inverse(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pp_inverse(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -435,8 +443,8 @@ KRHPR_API int krhpr_planar_pp_b_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pp_inverse_all(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pp_inverse_all(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -482,8 +490,8 @@ KRHPR_API int krhpr_planar_pp_b_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pp_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pp_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -536,9 +544,9 @@ KRHPR_API int krhpr_planar_pp_b_twist(
         double scale[2];
         double v[2];
         double s_dot[2];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_velocity(&g->subleg[i], theta_dot + 2 * i, s_dot);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_velocity(&g->subleg, i, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -591,9 +599,9 @@ KRHPR_API int krhpr_planar_pp_b_joint_rates(
         double s_dot[2];
         double v[2];
         krhpr_platform_planar_b_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_rates(&g->subleg[i], s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_rates(&g->subleg, i, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -652,12 +660,12 @@ KRHPR_API int krhpr_planar_pp_b_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_velocity(&g->subleg[i], theta_ddot + 2 * i, along);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_bias(&g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_velocity(&g->subleg, i, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_b_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_b_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -716,13 +724,13 @@ KRHPR_API int krhpr_planar_pp_b_joint_accelerations(
         double along[2];
         double v[2];
         krhpr_platform_planar_b_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_pp_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_rates(&g->subleg[i], along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_rates(&g->subleg, i, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -775,9 +783,9 @@ KRHPR_API int krhpr_planar_pp_b_passive_joints(
         double v[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_passive(&g->subleg[i], link);
-        krhpr_platform_planar_b_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_passive(&g->subleg, i, link);
+        krhpr_platform_planar_b_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -823,9 +831,9 @@ KRHPR_API int krhpr_planar_pp_b_link_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double v[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_points(&g->subleg[i], v, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_b_attachment(&g->platform[i], Q, s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_points(&g->subleg, i, v, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_b_attachment(&g->platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -873,10 +881,10 @@ KRHPR_API int krhpr_planar_pp_b_singularity(
     for (int i = 0; i < 3; ++i) {
         double v[2];
         double N[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_determinant(&g->subleg[i], &type_1[i], factors + i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_determinant(&g->subleg, i, &type_1[i], factors + i);
         krhpr_platform_planar_b_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -915,7 +923,7 @@ KRHPR_API int krhpr_planar_pp_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -960,7 +968,7 @@ KRHPR_API int krhpr_planar_pp_b_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1026,8 +1034,8 @@ KRHPR_API int krhpr_planar_pp_b_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_subleg_planar_pp_forward(&g->subleg, i, theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
@@ -1097,7 +1105,7 @@ KRHPR_API int krhpr_planar_pp_b_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1166,7 +1174,7 @@ KRHPR_API int krhpr_planar_pp_b_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1237,7 +1245,7 @@ KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1327,7 +1335,7 @@ KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

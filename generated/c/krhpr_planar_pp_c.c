@@ -11,15 +11,20 @@
 KRHPR_API int krhpr_planar_pp_c_prepare(krhpr_planar_pp_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_prepare(&g->subleg[i]);
-        krhpr_platform_planar_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_1[KRHPR_PLACES - 1] = g->subleg.slide_1[2];
+    valid &= krhpr_taint(g->subleg.slide_1, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_2[KRHPR_PLACES - 1] = g->subleg.slide_2[2];
+    valid &= krhpr_taint(g->subleg.slide_2, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_pp_prepare(&g->subleg, i);
+        krhpr_platform_planar_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -28,11 +33,11 @@ KRHPR_API int krhpr_planar_pp_c_set_geometry(krhpr_planar_pp_c_geometry *g, cons
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 5 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].slide_1 = leg[2];
-        g->subleg[i].slide_2 = leg[3];
-        g->platform[i].platform_azimuth = leg[4];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.slide_1[i] = leg[2];
+        g->subleg.slide_2[i] = leg[3];
+        g->platform.platform_azimuth[i] = leg[4];
     }
     return krhpr_planar_pp_c_prepare(g);
 }
@@ -69,7 +74,7 @@ KRHPR_API int krhpr_planar_pp_c_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -108,7 +113,7 @@ KRHPR_API int krhpr_planar_pp_c_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_c_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -139,7 +144,7 @@ KRHPR_API int krhpr_planar_pp_c_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_pp_forward(&g->subleg, i, theta + 2 * i, s + 2 * i);
     }
     return status;
 }
@@ -169,7 +174,7 @@ KRHPR_API int krhpr_planar_pp_c_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_inverse_all(&g->subleg[i], s + 2 * i, theta + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_pp_inverse_all(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -205,8 +210,8 @@ KRHPR_API int krhpr_planar_pp_c_subleg_jacobian(
     }
     for (int i = 0; i < 3; ++i) {
         double v[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_jacobian(&g->subleg[i], M + 4 * i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_jacobian(&g->subleg, i, M + 4 * i);
     }
     return status;
 }
@@ -244,7 +249,7 @@ KRHPR_API int krhpr_planar_pp_c_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -290,9 +295,9 @@ KRHPR_API int krhpr_planar_pp_c_jacobians(
         double N[2];
         double v[2];
         double K_block[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_project(&g->subleg[i], N, K_block);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_project(&g->subleg, i, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -337,9 +342,9 @@ KRHPR_API int krhpr_planar_pp_c_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double v[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_project(&g->subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_project(&g->subleg, i, N, K + 2 * i);
     }
     return status;
 }
@@ -380,8 +385,8 @@ KRHPR_API int krhpr_planar_pp_c_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pp_inverse(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pp_inverse(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -428,8 +433,8 @@ KRHPR_API int krhpr_planar_pp_c_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pp_inverse_all(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pp_inverse_all(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -475,8 +480,8 @@ KRHPR_API int krhpr_planar_pp_c_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pp_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pp_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -529,9 +534,9 @@ KRHPR_API int krhpr_planar_pp_c_twist(
         double scale[2];
         double v[2];
         double s_dot[2];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_velocity(&g->subleg[i], theta_dot + 2 * i, s_dot);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_velocity(&g->subleg, i, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -584,9 +589,9 @@ KRHPR_API int krhpr_planar_pp_c_joint_rates(
         double s_dot[2];
         double v[2];
         krhpr_platform_planar_c_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_rates(&g->subleg[i], s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_rates(&g->subleg, i, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -645,12 +650,12 @@ KRHPR_API int krhpr_planar_pp_c_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_bias(&g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_velocity(&g->subleg[i], theta_ddot + 2 * i, along);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_bias(&g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_velocity(&g->subleg, i, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_c_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_c_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -709,13 +714,13 @@ KRHPR_API int krhpr_planar_pp_c_joint_accelerations(
         double along[2];
         double v[2];
         krhpr_platform_planar_c_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_pp_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_rates(&g->subleg[i], along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_rates(&g->subleg, i, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -768,9 +773,9 @@ KRHPR_API int krhpr_planar_pp_c_passive_joints(
         double v[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_passive(&g->subleg[i], link);
-        krhpr_platform_planar_c_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_passive(&g->subleg, i, link);
+        krhpr_platform_planar_c_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -816,9 +821,9 @@ KRHPR_API int krhpr_planar_pp_c_link_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double v[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_points(&g->subleg[i], v, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment(&g->platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_points(&g->subleg, i, v, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_c_attachment(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -866,10 +871,10 @@ KRHPR_API int krhpr_planar_pp_c_singularity(
     for (int i = 0; i < 3; ++i) {
         double v[2];
         double N[2];
-        krhpr_subleg_planar_pp_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_determinant(&g->subleg[i], &type_1[i], factors + i);
+        krhpr_subleg_planar_pp_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_determinant(&g->subleg, i, &type_1[i], factors + i);
         krhpr_platform_planar_c_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -908,7 +913,7 @@ KRHPR_API int krhpr_planar_pp_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -951,7 +956,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1015,8 +1020,8 @@ KRHPR_API int krhpr_planar_pp_c_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward(&g->subleg[i], theta + 2 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_planar_pp_forward(&g->subleg, i, theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
@@ -1083,7 +1088,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1150,7 +1155,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1219,7 +1224,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1306,7 +1311,7 @@ KRHPR_API int krhpr_planar_pp_c_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

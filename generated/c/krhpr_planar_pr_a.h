@@ -25,10 +25,10 @@
 extern "C" {
 #endif
 
-/* Lengths and angles of the three legs, with what is computed from them once. */
+/* Lengths and angles of the three legs, with what is computed from them once.  Members are arrays over the legs. */
 typedef struct {
-    krhpr_subleg_planar_pr_geometry subleg[3];
-    krhpr_platform_planar_a_geometry platform[3];
+    krhpr_subleg_planar_pr_geometry subleg;
+    krhpr_platform_planar_a_geometry platform;
 } krhpr_planar_pr_a_geometry;
 
 /* Computes what depends on the geometry alone; call it after you change a field.

@@ -12,16 +12,21 @@ static const double mode_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_planar_pr_c_prepare(krhpr_planar_pr_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pr_prepare(&g->subleg[i]);
-        krhpr_platform_planar_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_1 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.slide[KRHPR_PLACES - 1] = g->subleg.slide[2];
+    valid &= krhpr_taint(g->subleg.slide, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_pr_prepare(&g->subleg, i);
+        krhpr_platform_planar_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_1[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -30,11 +35,11 @@ KRHPR_API int krhpr_planar_pr_c_set_geometry(krhpr_planar_pr_c_geometry *g, cons
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 5 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].slide = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->platform[i].platform_azimuth = leg[4];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.slide[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->platform.platform_azimuth[i] = leg[4];
     }
     return krhpr_planar_pr_c_prepare(g);
 }
@@ -71,7 +76,7 @@ KRHPR_API int krhpr_planar_pr_c_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -110,7 +115,7 @@ KRHPR_API int krhpr_planar_pr_c_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_c_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -148,7 +153,7 @@ KRHPR_API int krhpr_planar_pr_c_subleg_forward(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pr_forward(&g->subleg[i], theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
+        krhpr_subleg_planar_pr_forward(&g->subleg, i, theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -178,7 +183,7 @@ KRHPR_API int krhpr_planar_pr_c_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pr_inverse_all(&g->subleg[i], s + 2 * i, theta + 4 * i, &radicand[i]);
+        krhpr_subleg_planar_pr_inverse_all(&g->subleg, i, s + 2 * i, theta + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -221,8 +226,8 @@ KRHPR_API int krhpr_planar_pr_c_subleg_jacobian(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double u[2];
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 * i, cosine + 1 * i, u);
-        krhpr_subleg_planar_pr_jacobian(&g->subleg[i], u, M + 4 * i);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 * i, cosine + 1 * i, u);
+        krhpr_subleg_planar_pr_jacobian(&g->subleg, i, u, M + 4 * i);
     }
     return status;
 }
@@ -260,7 +265,7 @@ KRHPR_API int krhpr_planar_pr_c_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -309,9 +314,9 @@ KRHPR_API int krhpr_planar_pr_c_jacobians(
         double N[2];
         double u[2];
         double K_block[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_project(&g->subleg[i], u, N, K_block);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_project(&g->subleg, i, u, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -359,9 +364,9 @@ KRHPR_API int krhpr_planar_pr_c_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         double N[2];
         double u[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_project(&g->subleg[i], u, N, K + 2 * i);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_project(&g->subleg, i, u, N, K + 2 * i);
     }
     return status;
 }
@@ -405,8 +410,8 @@ KRHPR_API int krhpr_planar_pr_c_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pr_inverse(&g->subleg[i], s, mode + i, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pr_inverse(&g->subleg, i, s, mode + i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -453,8 +458,8 @@ KRHPR_API int krhpr_planar_pr_c_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pr_inverse_all(&g->subleg[i], s, theta + 4 * i, &radicand[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pr_inverse_all(&g->subleg, i, s, theta + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -503,8 +508,8 @@ KRHPR_API int krhpr_planar_pr_c_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_pr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_pr_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -560,9 +565,9 @@ KRHPR_API int krhpr_planar_pr_c_twist(
         double scale[2];
         double u[2];
         double s_dot[2];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_velocity(&g->subleg[i], u, theta_dot + 2 * i, s_dot);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_velocity(&g->subleg, i, u, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -618,9 +623,9 @@ KRHPR_API int krhpr_planar_pr_c_joint_rates(
         double s_dot[2];
         double u[2];
         krhpr_platform_planar_c_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_rates(&g->subleg[i], u, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_rates(&g->subleg, i, u, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -682,13 +687,13 @@ KRHPR_API int krhpr_planar_pr_c_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_pr_bias(
-            &g->subleg[i], theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_velocity(&g->subleg[i], u, theta_ddot + 2 * i, along);
+            &g->subleg, i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_velocity(&g->subleg, i, u, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_c_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_c_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -750,13 +755,13 @@ KRHPR_API int krhpr_planar_pr_c_joint_accelerations(
         double along[2];
         double u[2];
         krhpr_platform_planar_c_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_pr_bias(
-            &g->subleg[i], theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again, bias);
+            &g->subleg, i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_rates(&g->subleg[i], u, along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_rates(&g->subleg, i, u, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -812,9 +817,9 @@ KRHPR_API int krhpr_planar_pr_c_passive_joints(
         double u[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_passive(&g->subleg[i], u, link);
-        krhpr_platform_planar_c_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_passive(&g->subleg, i, u, link);
+        krhpr_platform_planar_c_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -863,9 +868,9 @@ KRHPR_API int krhpr_planar_pr_c_link_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double u[2];
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_points(&g->subleg[i], u, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment(&g->platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_points(&g->subleg, i, u, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_c_attachment(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -916,10 +921,10 @@ KRHPR_API int krhpr_planar_pr_c_singularity(
     for (int i = 0; i < 3; ++i) {
         double u[2];
         double N[2];
-        krhpr_subleg_planar_pr_posture(&g->subleg[i], sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
-        krhpr_subleg_planar_pr_determinant(&g->subleg[i], u, &type_1[i], factors + i);
+        krhpr_subleg_planar_pr_posture(&g->subleg, i, sine + 1 + 1 * i, cosine + 1 + 1 * i, u);
+        krhpr_subleg_planar_pr_determinant(&g->subleg, i, u, &type_1[i], factors + i);
         krhpr_platform_planar_c_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -958,7 +963,7 @@ KRHPR_API int krhpr_planar_pr_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1001,7 +1006,7 @@ KRHPR_API int krhpr_planar_pr_c_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1072,8 +1077,8 @@ KRHPR_API int krhpr_planar_pr_c_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pr_forward(&g->subleg[i], theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_planar_pr_forward(&g->subleg, i, theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
@@ -1140,7 +1145,7 @@ KRHPR_API int krhpr_planar_pr_c_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1207,7 +1212,7 @@ KRHPR_API int krhpr_planar_pr_c_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1276,7 +1281,7 @@ KRHPR_API int krhpr_planar_pr_c_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1363,7 +1368,7 @@ KRHPR_API int krhpr_planar_pr_c_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -13,20 +13,28 @@ static const double assembly_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_planar_prr2_c_prepare(krhpr_planar_prr2_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_prr2_prepare(&g->subleg[i]);
-        krhpr_platform_planar_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_0, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_1 > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_0[KRHPR_PLACES - 1] = g->subleg.l_0[2];
+    valid &= krhpr_taint(g->subleg.l_0, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_1[KRHPR_PLACES - 1] = g->subleg.slide_1[2];
+    valid &= krhpr_taint(g->subleg.slide_1, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_2[KRHPR_PLACES - 1] = g->subleg.slide_2[2];
+    valid &= krhpr_taint(g->subleg.slide_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_prr2_prepare(&g->subleg, i);
+        krhpr_platform_planar_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_1[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -35,14 +43,14 @@ KRHPR_API int krhpr_planar_prr2_c_set_geometry(krhpr_planar_prr2_c_geometry *g, 
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 8 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_0 = leg[2];
-        g->subleg[i].slide_1 = leg[3];
-        g->subleg[i].slide_2 = leg[4];
-        g->subleg[i].l_1 = leg[5];
-        g->subleg[i].l_2 = leg[6];
-        g->platform[i].platform_azimuth = leg[7];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_0[i] = leg[2];
+        g->subleg.slide_1[i] = leg[3];
+        g->subleg.slide_2[i] = leg[4];
+        g->subleg.l_1[i] = leg[5];
+        g->subleg.l_2[i] = leg[6];
+        g->platform.platform_azimuth[i] = leg[7];
     }
     return krhpr_planar_prr2_c_prepare(g);
 }
@@ -79,7 +87,7 @@ KRHPR_API int krhpr_planar_prr2_c_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -118,7 +126,7 @@ KRHPR_API int krhpr_planar_prr2_c_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_c_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -154,7 +162,7 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_prr2_forward(&g->subleg[i], theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_prr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -191,7 +199,7 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_prr2_forward_all(&g->subleg[i], theta + 2 * i, s + 4 * i, &radicand[i]);
+        krhpr_subleg_planar_prr2_forward_all(&g->subleg, i, theta + 2 * i, s + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -227,7 +235,7 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_prr2_inverse_all(&g->subleg[i], s + 2 * i, theta + 8 * i, &radicand[i]);
+        krhpr_subleg_planar_prr2_inverse_all(&g->subleg, i, s + 2 * i, theta + 8 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -265,8 +273,8 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double w[4];
         double b[2];
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_jacobian(&g->subleg[i], w, b, M + 4 * i, &regularity[i]);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_jacobian(&g->subleg, i, w, b, M + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -310,7 +318,7 @@ KRHPR_API int krhpr_planar_prr2_c_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -358,9 +366,9 @@ KRHPR_API int krhpr_planar_prr2_c_jacobians(
         double w[4];
         double b[2];
         double K_block[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -413,9 +421,9 @@ KRHPR_API int krhpr_planar_prr2_c_jacobian_blocks(
         double N[2];
         double w[4];
         double b[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_project(&g->subleg[i], w, b, N, K + 2 * i, &regularity[i]);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_project(&g->subleg, i, w, b, N, K + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -465,8 +473,8 @@ KRHPR_API int krhpr_planar_prr2_c_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_prr2_inverse(&g->subleg[i], s, mode + 2 * i, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_prr2_inverse(&g->subleg, i, s, mode + 2 * i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -513,8 +521,8 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_prr2_inverse_all(&g->subleg[i], s, theta + 8 * i, &radicand[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_prr2_inverse_all(&g->subleg, i, s, theta + 8 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -563,8 +571,8 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_prr2_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_prr2_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -619,9 +627,9 @@ KRHPR_API int krhpr_planar_prr2_c_twist(
         double w[4];
         double b[2];
         double s_dot[2];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_velocity(&g->subleg[i], w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_velocity(&g->subleg, i, w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -680,9 +688,9 @@ KRHPR_API int krhpr_planar_prr2_c_joint_rates(
         double w[4];
         double b[2];
         krhpr_platform_planar_c_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_rates(&g->subleg[i], w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_rates(&g->subleg, i, w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -743,13 +751,13 @@ KRHPR_API int krhpr_planar_prr2_c_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_prr2_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_velocity(&g->subleg[i], w, b, theta_ddot + 2 * i, along, &regularity[i]);
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_velocity(&g->subleg, i, w, b, theta_ddot + 2 * i, along, &regularity[i]);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_c_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_c_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -815,14 +823,14 @@ KRHPR_API int krhpr_planar_prr2_c_joint_accelerations(
         double w[4];
         double b[2];
         krhpr_platform_planar_c_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_prr2_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_rates(&g->subleg[i], w, b, along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_rates(&g->subleg, i, w, b, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -882,9 +890,9 @@ KRHPR_API int krhpr_planar_prr2_c_passive_joints(
         double b[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_passive(&g->subleg[i], w, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_planar_c_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_passive(&g->subleg, i, w, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_planar_c_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -935,9 +943,9 @@ KRHPR_API int krhpr_planar_prr2_c_link_points(
     for (int i = 0; i < 3; ++i) {
         double w[4];
         double b[2];
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_points(&g->subleg[i], w, s + 2 * i, points + 10 * i);
-        krhpr_platform_planar_c_attachment(&g->platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_points(&g->subleg, i, w, s + 2 * i, points + 10 * i);
+        krhpr_platform_planar_c_attachment(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -986,10 +994,10 @@ KRHPR_API int krhpr_planar_prr2_c_singularity(
         double w[4];
         double b[2];
         double N[2];
-        krhpr_subleg_planar_prr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_determinant(&g->subleg[i], w, b, &type_1[i], factors + 3 * i);
+        krhpr_subleg_planar_prr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_determinant(&g->subleg, i, w, b, &type_1[i], factors + 3 * i);
         krhpr_platform_planar_c_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1028,7 +1036,7 @@ KRHPR_API int krhpr_planar_prr2_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1071,7 +1079,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1139,8 +1147,8 @@ KRHPR_API int krhpr_planar_prr2_c_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_prr2_forward(&g->subleg[i], theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_planar_prr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
@@ -1212,7 +1220,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1279,7 +1287,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1348,7 +1356,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1435,7 +1443,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

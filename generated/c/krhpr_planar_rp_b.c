@@ -12,18 +12,25 @@ static const double mode_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_planar_rp_b_prepare(krhpr_planar_rp_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rp_prepare(&g->subleg[i]);
-        krhpr_platform_planar_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].h, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_x, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_y, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.h[KRHPR_PLACES - 1] = g->subleg.h[2];
+    valid &= krhpr_taint(g->subleg.h, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.b_x[KRHPR_PLACES - 1] = g->platform.b_x[2];
+    valid &= krhpr_taint(g->platform.b_x, KRHPR_PLACES) == 0.0;
+    g->platform.b_y[KRHPR_PLACES - 1] = g->platform.b_y[2];
+    valid &= krhpr_taint(g->platform.b_y, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rp_prepare(&g->subleg, i);
+        krhpr_platform_planar_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -32,13 +39,13 @@ KRHPR_API int krhpr_planar_rp_b_set_geometry(krhpr_planar_rp_b_geometry *g, cons
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].h = leg[2];
-        g->platform[i].platform_azimuth = leg[3];
-        g->platform[i].b_x = leg[4];
-        g->platform[i].b_y = leg[5];
-        g->platform[i].l_r = leg[6];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.h[i] = leg[2];
+        g->platform.platform_azimuth[i] = leg[3];
+        g->platform.b_x[i] = leg[4];
+        g->platform.b_y[i] = leg[5];
+        g->platform.l_r[i] = leg[6];
     }
     return krhpr_planar_rp_b_prepare(g);
 }
@@ -75,7 +82,7 @@ KRHPR_API int krhpr_planar_rp_b_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -114,7 +121,7 @@ KRHPR_API int krhpr_planar_rp_b_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_b_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -152,7 +159,7 @@ KRHPR_API int krhpr_planar_rp_b_subleg_forward(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rp_forward(&g->subleg[i], theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
+        krhpr_subleg_planar_rp_forward(&g->subleg, i, theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -182,7 +189,7 @@ KRHPR_API int krhpr_planar_rp_b_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rp_inverse_all(&g->subleg[i], s + 2 * i, theta + 4 * i, &radicand[i]);
+        krhpr_subleg_planar_rp_inverse_all(&g->subleg, i, s + 2 * i, theta + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -226,8 +233,8 @@ KRHPR_API int krhpr_planar_rp_b_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double u[2];
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, d, u);
-        krhpr_subleg_planar_rp_jacobian(&g->subleg[i], d, u, M + 4 * i);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, d, u);
+        krhpr_subleg_planar_rp_jacobian(&g->subleg, i, d, u, M + 4 * i);
     }
     return status;
 }
@@ -265,7 +272,7 @@ KRHPR_API int krhpr_planar_rp_b_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_b_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -315,9 +322,9 @@ KRHPR_API int krhpr_planar_rp_b_jacobians(
         double d[2];
         double u[2];
         double K_block[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_project(&g->subleg[i], d, u, N, K_block);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_project(&g->subleg, i, d, u, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -366,9 +373,9 @@ KRHPR_API int krhpr_planar_rp_b_jacobian_blocks(
         double N[2];
         double d[2];
         double u[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_project(&g->subleg[i], d, u, N, K + 2 * i);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_project(&g->subleg, i, d, u, N, K + 2 * i);
     }
     return status;
 }
@@ -412,8 +419,8 @@ KRHPR_API int krhpr_planar_rp_b_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rp_inverse(&g->subleg[i], s, mode + i, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rp_inverse(&g->subleg, i, s, mode + i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -460,8 +467,8 @@ KRHPR_API int krhpr_planar_rp_b_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rp_inverse_all(&g->subleg[i], s, theta + 4 * i, &radicand[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rp_inverse_all(&g->subleg, i, s, theta + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -510,8 +517,8 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rp_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rp_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -568,9 +575,9 @@ KRHPR_API int krhpr_planar_rp_b_twist(
         double d[2];
         double u[2];
         double s_dot[2];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_velocity(&g->subleg[i], d, u, theta_dot + 2 * i, s_dot);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_velocity(&g->subleg, i, d, u, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -627,9 +634,9 @@ KRHPR_API int krhpr_planar_rp_b_joint_rates(
         double d[2];
         double u[2];
         krhpr_platform_planar_b_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_rates(&g->subleg[i], d, u, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_rates(&g->subleg, i, d, u, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -692,13 +699,13 @@ KRHPR_API int krhpr_planar_rp_b_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rp_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_velocity(&g->subleg[i], d, u, theta_ddot + 2 * i, along);
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_velocity(&g->subleg, i, d, u, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_b_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_b_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -761,14 +768,14 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations(
         double d[2];
         double u[2];
         krhpr_platform_planar_b_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rp_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
             bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_rates(&g->subleg[i], d, u, along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_rates(&g->subleg, i, d, u, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -825,9 +832,9 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints(
         double u[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_passive(&g->subleg[i], u, link);
-        krhpr_platform_planar_b_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_passive(&g->subleg, i, u, link);
+        krhpr_platform_planar_b_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -877,9 +884,9 @@ KRHPR_API int krhpr_planar_rp_b_link_points(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double u[2];
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_points(&g->subleg[i], u, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_b_attachment(&g->platform[i], Q, s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_points(&g->subleg, i, u, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_b_attachment(&g->platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -931,10 +938,10 @@ KRHPR_API int krhpr_planar_rp_b_singularity(
         double d[2];
         double u[2];
         double N[2];
-        krhpr_subleg_planar_rp_posture(&g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
-        krhpr_subleg_planar_rp_determinant(&g->subleg[i], d, u, &type_1[i], factors + i);
+        krhpr_subleg_planar_rp_posture(&g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, u);
+        krhpr_subleg_planar_rp_determinant(&g->subleg, i, d, u, &type_1[i], factors + i);
         krhpr_platform_planar_b_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -973,7 +980,7 @@ KRHPR_API int krhpr_planar_rp_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1018,7 +1025,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1091,8 +1098,8 @@ KRHPR_API int krhpr_planar_rp_b_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rp_forward(&g->subleg[i], theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_subleg_planar_rp_forward(&g->subleg, i, theta + 2 * i, sine + 1 * i, cosine + 1 * i, s + 2 * i);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
@@ -1162,7 +1169,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1231,7 +1238,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1302,7 +1309,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1392,7 +1399,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

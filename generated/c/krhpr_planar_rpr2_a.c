@@ -14,18 +14,24 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_planar_rpr2_a_prepare(krhpr_planar_rpr2_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_prepare(&g->subleg[i]);
-        krhpr_platform_planar_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_0, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_0[KRHPR_PLACES - 1] = g->subleg.l_0[2];
+    valid &= krhpr_taint(g->subleg.l_0, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rpr2_prepare(&g->subleg, i);
+        krhpr_platform_planar_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -34,12 +40,12 @@ KRHPR_API int krhpr_planar_rpr2_a_set_geometry(krhpr_planar_rpr2_a_geometry *g, 
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 6 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_0 = leg[2];
-        g->platform[i].platform_azimuth = leg[3];
-        g->platform[i].R_p = leg[4];
-        g->platform[i].l_r = leg[5];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_0[i] = leg[2];
+        g->platform.platform_azimuth[i] = leg[3];
+        g->platform.R_p[i] = leg[4];
+        g->platform.l_r[i] = leg[5];
     }
     return krhpr_planar_rpr2_a_prepare(g);
 }
@@ -80,7 +86,7 @@ KRHPR_API int krhpr_planar_rpr2_a_end_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point(
-            &g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+            &g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -122,7 +128,7 @@ KRHPR_API int krhpr_planar_rpr2_a_redundant_coordinates(
     double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_planar_a_redundant(&g->platform, i, p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -162,7 +168,7 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward(&g->subleg[i], theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_rpr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -199,7 +205,7 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward_all(&g->subleg[i], theta + 2 * i, s + 4 * i, &radicand[i]);
+        krhpr_subleg_planar_rpr2_forward_all(&g->subleg, i, theta + 2 * i, s + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -235,7 +241,7 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg[i], s + 2 * i, theta + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -273,8 +279,8 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double w[4];
         double b[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_jacobian(&g->subleg[i], w, b, M + 4 * i, &regularity[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_jacobian(&g->subleg, i, w, b, M + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -318,7 +324,7 @@ KRHPR_API int krhpr_planar_rpr2_a_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -366,9 +372,9 @@ KRHPR_API int krhpr_planar_rpr2_a_jacobians(
         double w[4];
         double b[2];
         double K_block[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -421,9 +427,9 @@ KRHPR_API int krhpr_planar_rpr2_a_jacobian_blocks(
         double N[2];
         double w[4];
         double b[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project(&g->subleg[i], w, b, N, K + 2 * i, &regularity[i]);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project(&g->subleg, i, w, b, N, K + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -473,8 +479,8 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rpr2_inverse(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_rpr2_inverse(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -524,8 +530,8 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -574,8 +580,8 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rpr2_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_rpr2_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -630,9 +636,9 @@ KRHPR_API int krhpr_planar_rpr2_a_twist(
         double w[4];
         double b[2];
         double s_dot[2];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity(&g->subleg[i], w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity(&g->subleg, i, w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -691,9 +697,9 @@ KRHPR_API int krhpr_planar_rpr2_a_joint_rates(
         double w[4];
         double b[2];
         krhpr_platform_planar_a_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates(&g->subleg[i], w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates(&g->subleg, i, w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -754,13 +760,13 @@ KRHPR_API int krhpr_planar_rpr2_a_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rpr2_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity(&g->subleg[i], w, b, theta_ddot + 2 * i, along, &regularity[i]);
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity(&g->subleg, i, w, b, theta_ddot + 2 * i, along, &regularity[i]);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_a_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -826,14 +832,14 @@ KRHPR_API int krhpr_planar_rpr2_a_joint_accelerations(
         double w[4];
         double b[2];
         krhpr_platform_planar_a_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rpr2_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates(&g->subleg[i], w, b, along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates(&g->subleg, i, w, b, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -893,10 +899,10 @@ KRHPR_API int krhpr_planar_rpr2_a_passive_joints(
         double b[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_passive(&g->subleg[i], w, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_passive(&g->subleg, i, w, link, tail_y + 3 * i, tail_x + 3 * i);
         krhpr_platform_planar_a_joint(
-            &g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
+            &g->platform, i, p, Q, s + 2 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 12 + 1 * i, tail_x + 12 + 1 * i);
     }
     krhpr_atan2_array(15, tail_y, tail_x, tail);
@@ -948,9 +954,9 @@ KRHPR_API int krhpr_planar_rpr2_a_link_points(
     for (int i = 0; i < 3; ++i) {
         double w[4];
         double b[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_points(&g->subleg[i], s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_a_attachment(&g->platform[i], p, Q, attachment + 2 * i);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_points(&g->subleg, i, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_a_attachment(&g->platform, i, p, Q, attachment + 2 * i);
     }
     return status;
 }
@@ -999,10 +1005,10 @@ KRHPR_API int krhpr_planar_rpr2_a_singularity(
         double w[4];
         double b[2];
         double N[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_determinant(&g->subleg[i], w, b, &type_1[i], factors + 3 * i);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_determinant(&g->subleg, i, w, b, &type_1[i], factors + 3 * i);
         krhpr_platform_planar_a_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1048,7 +1054,7 @@ KRHPR_API int krhpr_planar_rpr2_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1091,7 +1097,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1211,8 +1217,8 @@ KRHPR_API int krhpr_planar_rpr2_a_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward(&g->subleg[i], theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_subleg_planar_rpr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1341,7 +1347,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_newton(
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1429,8 +1435,8 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_1(
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1501,8 +1507,8 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1578,8 +1584,8 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1657,8 +1663,8 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1755,8 +1761,8 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -12,18 +12,25 @@ static const double assembly_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_planar_rpr2_b_prepare(krhpr_planar_rpr2_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_prepare(&g->subleg[i]);
-        krhpr_platform_planar_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_0, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_x, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_y, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_0[KRHPR_PLACES - 1] = g->subleg.l_0[2];
+    valid &= krhpr_taint(g->subleg.l_0, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.b_x[KRHPR_PLACES - 1] = g->platform.b_x[2];
+    valid &= krhpr_taint(g->platform.b_x, KRHPR_PLACES) == 0.0;
+    g->platform.b_y[KRHPR_PLACES - 1] = g->platform.b_y[2];
+    valid &= krhpr_taint(g->platform.b_y, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rpr2_prepare(&g->subleg, i);
+        krhpr_platform_planar_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -32,13 +39,13 @@ KRHPR_API int krhpr_planar_rpr2_b_set_geometry(krhpr_planar_rpr2_b_geometry *g, 
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_0 = leg[2];
-        g->platform[i].platform_azimuth = leg[3];
-        g->platform[i].b_x = leg[4];
-        g->platform[i].b_y = leg[5];
-        g->platform[i].l_r = leg[6];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_0[i] = leg[2];
+        g->platform.platform_azimuth[i] = leg[3];
+        g->platform.b_x[i] = leg[4];
+        g->platform.b_y[i] = leg[5];
+        g->platform.l_r[i] = leg[6];
     }
     return krhpr_planar_rpr2_b_prepare(g);
 }
@@ -75,7 +82,7 @@ KRHPR_API int krhpr_planar_rpr2_b_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -114,7 +121,7 @@ KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_b_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -150,7 +157,7 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward(&g->subleg[i], theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_rpr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -187,7 +194,7 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward_all(&g->subleg[i], theta + 2 * i, s + 4 * i, &radicand[i]);
+        krhpr_subleg_planar_rpr2_forward_all(&g->subleg, i, theta + 2 * i, s + 4 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -223,7 +230,7 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg[i], s + 2 * i, theta + 2 * i, &radicand[i]);
+        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -261,8 +268,8 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double w[4];
         double b[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_jacobian(&g->subleg[i], w, b, M + 4 * i, &regularity[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_jacobian(&g->subleg, i, w, b, M + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -306,7 +313,7 @@ KRHPR_API int krhpr_planar_rpr2_b_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_b_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -354,9 +361,9 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobians(
         double w[4];
         double b[2];
         double K_block[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -409,9 +416,9 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks(
         double N[2];
         double w[4];
         double b[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project(&g->subleg[i], w, b, N, K + 2 * i, &regularity[i]);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project(&g->subleg, i, w, b, N, K + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -458,8 +465,8 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rpr2_inverse(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rpr2_inverse(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -506,8 +513,8 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg[i], s, theta + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -553,8 +560,8 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rpr2_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rpr2_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -609,9 +616,9 @@ KRHPR_API int krhpr_planar_rpr2_b_twist(
         double w[4];
         double b[2];
         double s_dot[2];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity(&g->subleg[i], w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity(&g->subleg, i, w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -670,9 +677,9 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_rates(
         double w[4];
         double b[2];
         krhpr_platform_planar_b_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates(&g->subleg[i], w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates(&g->subleg, i, w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -733,13 +740,13 @@ KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rpr2_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity(&g->subleg[i], w, b, theta_ddot + 2 * i, along, &regularity[i]);
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity(&g->subleg, i, w, b, theta_ddot + 2 * i, along, &regularity[i]);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_b_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_b_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -805,14 +812,14 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations(
         double w[4];
         double b[2];
         krhpr_platform_planar_b_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rpr2_bias(
-            &g->subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
+            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates(&g->subleg[i], w, b, along, theta_ddot + 2 * i, &regularity[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates(&g->subleg, i, w, b, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -872,9 +879,9 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints(
         double b[2];
         double link[2];
         double redundant_link[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_passive(&g->subleg[i], w, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_planar_b_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_passive(&g->subleg, i, w, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_planar_b_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -925,9 +932,9 @@ KRHPR_API int krhpr_planar_rpr2_b_link_points(
     for (int i = 0; i < 3; ++i) {
         double w[4];
         double b[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_points(&g->subleg[i], s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_b_attachment(&g->platform[i], Q, s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_points(&g->subleg, i, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_b_attachment(&g->platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -976,10 +983,10 @@ KRHPR_API int krhpr_planar_rpr2_b_singularity(
         double w[4];
         double b[2];
         double N[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_determinant(&g->subleg[i], w, b, &type_1[i], factors + 3 * i);
+        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_determinant(&g->subleg, i, w, b, &type_1[i], factors + 3 * i);
         krhpr_platform_planar_b_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1018,7 +1025,7 @@ KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1063,7 +1070,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1133,8 +1140,8 @@ KRHPR_API int krhpr_planar_rpr2_b_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward(&g->subleg[i], theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_subleg_planar_rpr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
@@ -1209,7 +1216,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1278,7 +1285,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1349,7 +1356,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1439,7 +1446,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -12,17 +12,22 @@ static const double mode_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_planar_rr_c_prepare(krhpr_planar_rr_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_prepare(&g->subleg[i]);
-        krhpr_platform_planar_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_1 > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rr_prepare(&g->subleg, i);
+        krhpr_platform_planar_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_1[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -31,11 +36,11 @@ KRHPR_API int krhpr_planar_rr_c_set_geometry(krhpr_planar_rr_c_geometry *g, cons
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 5 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_1 = leg[2];
-        g->subleg[i].l_2 = leg[3];
-        g->platform[i].platform_azimuth = leg[4];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_1[i] = leg[2];
+        g->subleg.l_2[i] = leg[3];
+        g->platform.platform_azimuth[i] = leg[4];
     }
     return krhpr_planar_rr_c_prepare(g);
 }
@@ -72,7 +77,7 @@ KRHPR_API int krhpr_planar_rr_c_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -111,7 +116,7 @@ KRHPR_API int krhpr_planar_rr_c_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_c_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -149,7 +154,7 @@ KRHPR_API int krhpr_planar_rr_c_subleg_forward(
     }
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward(&g->subleg[i], sine + 2 * i, cosine + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_rr_forward(&g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 2 * i);
     }
     return status;
 }
@@ -183,7 +188,7 @@ KRHPR_API int krhpr_planar_rr_c_subleg_inverse(
     double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_inverse_all(
-            &g->subleg[i], s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+            &g->subleg, i, s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -234,8 +239,8 @@ KRHPR_API int krhpr_planar_rr_c_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double v_1[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_jacobian(&g->subleg[i], d, v_1, M + 4 * i);
+        krhpr_subleg_planar_rr_posture(&g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_jacobian(&g->subleg, i, d, v_1, M + 4 * i);
     }
     return status;
 }
@@ -273,7 +278,7 @@ KRHPR_API int krhpr_planar_rr_c_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -323,10 +328,10 @@ KRHPR_API int krhpr_planar_rr_c_jacobians(
         double d[2];
         double v_1[2];
         double K_block[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_project(&g->subleg[i], d, v_1, N, K_block);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_project(&g->subleg, i, d, v_1, N, K_block);
         for (int k = 0; k < 2; ++k) {
             K[8 * i + 0 + k] = K_block[0 + k];
         }
@@ -375,10 +380,10 @@ KRHPR_API int krhpr_planar_rr_c_jacobian_blocks(
         double N[2];
         double d[2];
         double v_1[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_project(&g->subleg[i], d, v_1, N, K + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_project(&g->subleg, i, d, v_1, N, K + 2 * i);
     }
     return status;
 }
@@ -425,9 +430,9 @@ KRHPR_API int krhpr_planar_rr_c_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rr_inverse(
-            &g->subleg[i], s, mode + i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
+            &g->subleg, i, s, mode + i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -482,8 +487,8 @@ KRHPR_API int krhpr_planar_rr_c_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_inverse_all(&g->subleg[i], s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rr_inverse_all(&g->subleg, i, s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -539,8 +544,8 @@ KRHPR_API int krhpr_planar_rr_c_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rr_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -597,10 +602,10 @@ KRHPR_API int krhpr_planar_rr_c_twist(
         double d[2];
         double v_1[2];
         double s_dot[2];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, v_1, theta_dot + 2 * i, s_dot);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_velocity(&g->subleg, i, d, v_1, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -657,10 +662,10 @@ KRHPR_API int krhpr_planar_rr_c_joint_rates(
         double d[2];
         double v_1[2];
         krhpr_platform_planar_c_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, v_1, s_dot, theta_dot + 2 * i, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_rates(&g->subleg, i, d, v_1, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -723,14 +728,14 @@ KRHPR_API int krhpr_planar_rr_c_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_velocity(&g->subleg[i], d, v_1, theta_ddot + 2 * i, along);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_velocity(&g->subleg, i, d, v_1, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_c_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_c_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -793,15 +798,15 @@ KRHPR_API int krhpr_planar_rr_c_joint_accelerations(
         double d[2];
         double v_1[2];
         krhpr_platform_planar_c_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
             bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_rates(&g->subleg[i], d, v_1, along, theta_ddot + 2 * i, &regularity[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_rates(&g->subleg, i, d, v_1, along, theta_ddot + 2 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -859,9 +864,9 @@ KRHPR_API int krhpr_planar_rr_c_passive_joints(
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_passive(&g->subleg[i], v_1, link);
-        krhpr_platform_planar_c_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_passive(&g->subleg, i, v_1, link);
+        krhpr_platform_planar_c_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -912,9 +917,9 @@ KRHPR_API int krhpr_planar_rr_c_link_points(
         double d[2];
         double v_1[2];
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_points(&g->subleg[i], d, v_1, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment(&g->platform[i], s + 2 * i, attachment + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_points(&g->subleg, i, d, v_1, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_c_attachment(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -967,10 +972,10 @@ KRHPR_API int krhpr_planar_rr_c_singularity(
         double v_1[2];
         double N[2];
         krhpr_subleg_planar_rr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
+        krhpr_subleg_planar_rr_determinant(&g->subleg, i, d, v_1, &type_1[i], factors + i);
         krhpr_platform_planar_c_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1009,7 +1014,7 @@ KRHPR_API int krhpr_planar_rr_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1052,7 +1057,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1123,8 +1128,8 @@ KRHPR_API int krhpr_planar_rr_c_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward(&g->subleg[i], sine + 2 * i, cosine + 2 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_planar_rr_forward(&g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
@@ -1191,7 +1196,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1258,7 +1263,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1327,7 +1332,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1414,7 +1419,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -15,23 +15,31 @@ static const double swivel_default[3] = {0.0};
 KRHPR_API int krhpr_planar_rrr_a_prepare(krhpr_planar_rrr_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_prepare(&g->subleg[i]);
-        krhpr_platform_planar_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_1 > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rrr_prepare(&g->subleg, i);
+        krhpr_platform_planar_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_1[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -40,14 +48,14 @@ KRHPR_API int krhpr_planar_rrr_a_set_geometry(krhpr_planar_rrr_a_geometry *g, co
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 8 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_1 = leg[2];
-        g->subleg[i].l_2 = leg[3];
-        g->subleg[i].l_3 = leg[4];
-        g->platform[i].platform_azimuth = leg[5];
-        g->platform[i].R_p = leg[6];
-        g->platform[i].l_r = leg[7];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_1[i] = leg[2];
+        g->subleg.l_2[i] = leg[3];
+        g->subleg.l_3[i] = leg[4];
+        g->platform.platform_azimuth[i] = leg[5];
+        g->platform.R_p[i] = leg[6];
+        g->platform.l_r[i] = leg[7];
     }
     return krhpr_planar_rrr_a_prepare(g);
 }
@@ -88,7 +96,7 @@ KRHPR_API int krhpr_planar_rrr_a_end_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point(
-            &g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+            &g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
     }
     return status;
 }
@@ -130,7 +138,7 @@ KRHPR_API int krhpr_planar_rrr_a_redundant_coordinates(
     double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform[i], p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_planar_a_redundant(&g->platform, i, p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -172,7 +180,7 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_forward(
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 2 * i);
+        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
     }
     return status;
 }
@@ -217,7 +225,7 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_inverse(
     double tail[KRHPR_PADDED(18)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
+            &g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
             tail_x + 6 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -277,8 +285,8 @@ KRHPR_API int krhpr_planar_rrr_a_swivel(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_swivel(&g->subleg[i], u_3, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_swivel(&g->subleg, i, u_3, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -322,8 +330,8 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_jacobian(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_jacobian(&g->subleg[i], d, u_2, u_3, M + 6 * i);
+        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_jacobian(&g->subleg, i, d, u_2, u_3, M + 6 * i);
     }
     return status;
 }
@@ -361,7 +369,7 @@ KRHPR_API int krhpr_planar_rrr_a_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -412,10 +420,10 @@ KRHPR_API int krhpr_planar_rrr_a_jacobians(
         double u_2[2];
         double u_3[2];
         double K_block[3];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg[i], d, u_2, u_3, N, K_block);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[12 * i + 0 + k] = K_block[0 + k];
         }
@@ -465,10 +473,10 @@ KRHPR_API int krhpr_planar_rrr_a_jacobian_blocks(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_platform_planar_a_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg[i], d, u_2, u_3, N, K + 3 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
     return status;
 }
@@ -523,9 +531,9 @@ KRHPR_API int krhpr_planar_rrr_a_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
         krhpr_subleg_planar_rrr_inverse(
-            &g->subleg[i], s, mode + i, sine + 4 + 1 * i, cosine + 4 + 1 * i, &radicand[i], tail_y + 3 * i,
+            &g->subleg, i, s, mode + i, sine + 4 + 1 * i, cosine + 4 + 1 * i, &radicand[i], tail_y + 3 * i,
             tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
@@ -590,9 +598,9 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
         krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg[i], s, sine + 4 + 1 * i, cosine + 4 + 1 * i, &radicand[i], tail_y + 6 * i,
+            &g->subleg, i, s, sine + 4 + 1 * i, cosine + 4 + 1 * i, &radicand[i], tail_y + 6 * i,
             tail_x + 6 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -659,8 +667,8 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform[i], p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rrr_reach(&g->subleg[i], s, sine + 4 + 1 * i, cosine + 4 + 1 * i, &excess[i]);
+        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
+        krhpr_subleg_planar_rrr_reach(&g->subleg, i, s, sine + 4 + 1 * i, cosine + 4 + 1 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -719,10 +727,10 @@ KRHPR_API int krhpr_planar_rrr_a_twist(
         double u_2[2];
         double u_3[2];
         double s_dot[2];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg[i], d, u_2, u_3, theta_dot + 3 * i, s_dot);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_dot + 3 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -780,11 +788,11 @@ KRHPR_API int krhpr_planar_rrr_a_joint_rates(
         double u_2[2];
         double u_3[2];
         krhpr_platform_planar_a_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates(
-            &g->subleg[i], d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
+            &g->subleg, i, d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -850,15 +858,15 @@ KRHPR_API int krhpr_planar_rrr_a_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_a_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
             &swivel_bias);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg[i], d, u_2, u_3, theta_ddot + 3 * i, along);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_ddot + 3 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_a_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_a_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -925,17 +933,17 @@ KRHPR_API int krhpr_planar_rrr_a_joint_accelerations(
         double u_2[2];
         double u_3[2];
         krhpr_platform_planar_a_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rrr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
             bias, &swivel_bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_rrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates(
-            &g->subleg[i], d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
+            &g->subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -994,10 +1002,10 @@ KRHPR_API int krhpr_planar_rrr_a_passive_joints(
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_passive(&g->subleg[i], u_3, link);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_passive(&g->subleg, i, u_3, link);
         krhpr_platform_planar_a_joint(
-            &g->platform[i], p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+            &g->platform, i, p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 3 + 1 * i, tail_x + 3 + 1 * i);
     }
     krhpr_atan2_array(6, tail_y, tail_x, tail);
@@ -1050,9 +1058,9 @@ KRHPR_API int krhpr_planar_rrr_a_link_points(
         double u_2[2];
         double u_3[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_points(&g->subleg[i], u_2, u_3, s + 2 * i, points + 8 * i);
-        krhpr_platform_planar_a_attachment(&g->platform[i], p, Q, attachment + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_points(&g->subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
+        krhpr_platform_planar_a_attachment(&g->platform, i, p, Q, attachment + 2 * i);
     }
     return status;
 }
@@ -1106,10 +1114,10 @@ KRHPR_API int krhpr_planar_rrr_a_singularity(
         double u_3[2];
         double N[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_determinant(&g->subleg[i], d, u_2, u_3, &type_1[i], factors + i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_determinant(&g->subleg, i, d, u_2, u_3, &type_1[i], factors + i);
         krhpr_platform_planar_a_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1155,7 +1163,7 @@ KRHPR_API int krhpr_planar_rrr_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1198,7 +1206,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1321,8 +1329,8 @@ KRHPR_API int krhpr_planar_rrr_a_forward(
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 2 * i);
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1446,7 +1454,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_newton(
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1534,8 +1542,8 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1(
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1606,8 +1614,8 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1683,8 +1691,8 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1762,8 +1770,8 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_2(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1860,8 +1868,8 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_3(
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -13,23 +13,32 @@ static const double swivel_default[3] = {0.0};
 KRHPR_API int krhpr_planar_rrr_b_prepare(krhpr_planar_rrr_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_prepare(&g->subleg[i]);
-        krhpr_platform_planar_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_x, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].b_y, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_1 > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.b_x[KRHPR_PLACES - 1] = g->platform.b_x[2];
+    valid &= krhpr_taint(g->platform.b_x, KRHPR_PLACES) == 0.0;
+    g->platform.b_y[KRHPR_PLACES - 1] = g->platform.b_y[2];
+    valid &= krhpr_taint(g->platform.b_y, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rrr_prepare(&g->subleg, i);
+        krhpr_platform_planar_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_1[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -38,15 +47,15 @@ KRHPR_API int krhpr_planar_rrr_b_set_geometry(krhpr_planar_rrr_b_geometry *g, co
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 9 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_1 = leg[2];
-        g->subleg[i].l_2 = leg[3];
-        g->subleg[i].l_3 = leg[4];
-        g->platform[i].platform_azimuth = leg[5];
-        g->platform[i].b_x = leg[6];
-        g->platform[i].b_y = leg[7];
-        g->platform[i].l_r = leg[8];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_1[i] = leg[2];
+        g->subleg.l_2[i] = leg[3];
+        g->subleg.l_3[i] = leg[4];
+        g->platform.platform_azimuth[i] = leg[5];
+        g->platform.b_x[i] = leg[6];
+        g->platform.b_y[i] = leg[7];
+        g->platform.l_r[i] = leg[8];
     }
     return krhpr_planar_rrr_b_prepare(g);
 }
@@ -83,7 +92,7 @@ KRHPR_API int krhpr_planar_rrr_b_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -122,7 +131,7 @@ KRHPR_API int krhpr_planar_rrr_b_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_b_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -160,7 +169,7 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_forward(
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 2 * i);
+        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
     }
     return status;
 }
@@ -205,7 +214,7 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_inverse(
     double tail[KRHPR_PADDED(18)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
+            &g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
             tail_x + 6 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -265,8 +274,8 @@ KRHPR_API int krhpr_planar_rrr_b_swivel(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_swivel(&g->subleg[i], u_3, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_swivel(&g->subleg, i, u_3, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -310,8 +319,8 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_jacobian(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_jacobian(&g->subleg[i], d, u_2, u_3, M + 6 * i);
+        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_jacobian(&g->subleg, i, d, u_2, u_3, M + 6 * i);
     }
     return status;
 }
@@ -349,7 +358,7 @@ KRHPR_API int krhpr_planar_rrr_b_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_b_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -400,10 +409,10 @@ KRHPR_API int krhpr_planar_rrr_b_jacobians(
         double u_2[2];
         double u_3[2];
         double K_block[3];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg[i], d, u_2, u_3, N, K_block);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[12 * i + 0 + k] = K_block[0 + k];
         }
@@ -453,10 +462,10 @@ KRHPR_API int krhpr_planar_rrr_b_jacobian_blocks(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_platform_planar_b_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_b_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg[i], d, u_2, u_3, N, K + 3 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
     return status;
 }
@@ -510,9 +519,9 @@ KRHPR_API int krhpr_planar_rrr_b_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rrr_inverse(
-            &g->subleg[i], s, mode + i, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 3 * i,
+            &g->subleg, i, s, mode + i, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 3 * i,
             tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
@@ -576,9 +585,9 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg[i], s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 6 * i,
+            &g->subleg, i, s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 6 * i,
             tail_x + 6 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -644,8 +653,8 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rrr_reach(&g->subleg[i], s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &excess[i]);
+        krhpr_platform_planar_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rrr_reach(&g->subleg, i, s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -704,10 +713,10 @@ KRHPR_API int krhpr_planar_rrr_b_twist(
         double u_2[2];
         double u_3[2];
         double s_dot[2];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg[i], d, u_2, u_3, theta_dot + 3 * i, s_dot);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_dot + 3 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -765,11 +774,11 @@ KRHPR_API int krhpr_planar_rrr_b_joint_rates(
         double u_2[2];
         double u_3[2];
         krhpr_platform_planar_b_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates(
-            &g->subleg[i], d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
+            &g->subleg, i, d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -835,15 +844,15 @@ KRHPR_API int krhpr_planar_rrr_b_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_b_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
             &swivel_bias);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg[i], d, u_2, u_3, theta_ddot + 3 * i, along);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_ddot + 3 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_b_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_b_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -910,17 +919,17 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations(
         double u_2[2];
         double u_3[2];
         krhpr_platform_planar_b_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rrr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
             bias, &swivel_bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_rrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates(
-            &g->subleg[i], d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
+            &g->subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -979,9 +988,9 @@ KRHPR_API int krhpr_planar_rrr_b_passive_joints(
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_passive(&g->subleg[i], u_3, link);
-        krhpr_platform_planar_b_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_passive(&g->subleg, i, u_3, link);
+        krhpr_platform_planar_b_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -1033,9 +1042,9 @@ KRHPR_API int krhpr_planar_rrr_b_link_points(
         double u_2[2];
         double u_3[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_points(&g->subleg[i], u_2, u_3, s + 2 * i, points + 8 * i);
-        krhpr_platform_planar_b_attachment(&g->platform[i], Q, s + 2 * i, attachment + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_points(&g->subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
+        krhpr_platform_planar_b_attachment(&g->platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -1089,10 +1098,10 @@ KRHPR_API int krhpr_planar_rrr_b_singularity(
         double u_3[2];
         double N[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_determinant(&g->subleg[i], d, u_2, u_3, &type_1[i], factors + i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_determinant(&g->subleg, i, d, u_2, u_3, &type_1[i], factors + i);
         krhpr_platform_planar_b_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1131,7 +1140,7 @@ KRHPR_API int krhpr_planar_rrr_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1176,7 +1185,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1249,8 +1258,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 2 * i);
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_mode(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
@@ -1320,7 +1329,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1389,7 +1398,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1460,7 +1469,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1550,7 +1559,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

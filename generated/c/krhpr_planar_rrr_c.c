@@ -13,19 +13,25 @@ static const double swivel_default[3] = {0.0};
 KRHPR_API int krhpr_planar_rrr_c_prepare(krhpr_planar_rrr_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_prepare(&g->subleg[i]);
-        krhpr_platform_planar_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_1 > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_planar_rrr_prepare(&g->subleg, i);
+        krhpr_platform_planar_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_1[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -34,12 +40,12 @@ KRHPR_API int krhpr_planar_rrr_c_set_geometry(krhpr_planar_rrr_c_geometry *g, co
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 6 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].l_1 = leg[2];
-        g->subleg[i].l_2 = leg[3];
-        g->subleg[i].l_3 = leg[4];
-        g->platform[i].platform_azimuth = leg[5];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.l_1[i] = leg[2];
+        g->subleg.l_2[i] = leg[3];
+        g->subleg.l_3[i] = leg[4];
+        g->platform.platform_azimuth[i] = leg[5];
     }
     return krhpr_planar_rrr_c_prepare(g);
 }
@@ -76,7 +82,7 @@ KRHPR_API int krhpr_planar_rrr_c_end_points(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s + 2 * i);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     return status;
 }
@@ -115,7 +121,7 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant(&g->platform[i], p, Q, s + 2 * i, &redundant[i]);
+        krhpr_platform_planar_c_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     return status;
 }
@@ -153,7 +159,7 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward(
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 2 * i);
+        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
     }
     return status;
 }
@@ -198,7 +204,7 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse(
     double tail[KRHPR_PADDED(18)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg[i], s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
+            &g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
             tail_x + 6 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -258,8 +264,8 @@ KRHPR_API int krhpr_planar_rrr_c_swivel(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_swivel(&g->subleg[i], u_3, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_swivel(&g->subleg, i, u_3, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -303,8 +309,8 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg[i], s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_jacobian(&g->subleg[i], d, u_2, u_3, M + 6 * i);
+        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_jacobian(&g->subleg, i, d, u_2, u_3, M + 6 * i);
     }
     return status;
 }
@@ -342,7 +348,7 @@ KRHPR_API int krhpr_planar_rrr_c_constraints(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual(&g->platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     return status;
 }
@@ -393,10 +399,10 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians(
         double u_2[2];
         double u_3[2];
         double K_block[3];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg[i], d, u_2, u_3, N, K_block);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[12 * i + 0 + k] = K_block[0 + k];
         }
@@ -446,10 +452,10 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks(
         double d[2];
         double u_2[2];
         double u_3[2];
-        krhpr_platform_planar_c_rows(&g->platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg[i], d, u_2, u_3, N, K + 3 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
     return status;
 }
@@ -503,9 +509,9 @@ KRHPR_API int krhpr_planar_rrr_c_inverse(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rrr_inverse(
-            &g->subleg[i], s, mode + i, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 3 * i,
+            &g->subleg, i, s, mode + i, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 3 * i,
             tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
@@ -569,9 +575,9 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg[i], s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 6 * i,
+            &g->subleg, i, s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &radicand[i], tail_y + 6 * i,
             tail_x + 6 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -637,8 +643,8 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_planar_rrr_reach(&g->subleg[i], s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &excess[i]);
+        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_planar_rrr_reach(&g->subleg, i, s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -697,10 +703,10 @@ KRHPR_API int krhpr_planar_rrr_c_twist(
         double u_2[2];
         double u_3[2];
         double s_dot[2];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg[i], d, u_2, u_3, theta_dot + 3 * i, s_dot);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_dot + 3 * i, s_dot);
         krhpr_algebra_planar_rate(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -758,11 +764,11 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates(
         double u_2[2];
         double u_3[2];
         krhpr_platform_planar_c_end_velocity(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates(
-            &g->subleg[i], d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
+            &g->subleg, i, d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -828,15 +834,15 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration(
         double along[2];
         double s_ddot[2];
         double row_bias[1];
-        krhpr_platform_planar_c_line(&g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
             &swivel_bias);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg[i], d, u_2, u_3, theta_ddot + 3 * i, along);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_ddot + 3 * i, along);
         krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_c_row_bias(&g->platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+        krhpr_platform_planar_c_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -903,17 +909,17 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations(
         double u_2[2];
         double u_3[2];
         krhpr_platform_planar_c_end_acceleration(
-            &g->platform[i], p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_planar_rrr_bias(
-            &g->subleg[i], s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
+            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
             bias, &swivel_bias);
         krhpr_algebra_planar_difference(s_ddot, bias, along);
         krhpr_subleg_planar_rrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates(
-            &g->subleg[i], d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
+            &g->subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -972,9 +978,9 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints(
         double link[2];
         double redundant_link[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_passive(&g->subleg[i], u_3, link);
-        krhpr_platform_planar_c_joint(&g->platform[i], p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_passive(&g->subleg, i, u_3, link);
+        krhpr_platform_planar_c_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -1026,9 +1032,9 @@ KRHPR_API int krhpr_planar_rrr_c_link_points(
         double u_2[2];
         double u_3[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_points(&g->subleg[i], u_2, u_3, s + 2 * i, points + 8 * i);
-        krhpr_platform_planar_c_attachment(&g->platform[i], s + 2 * i, attachment + 2 * i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_points(&g->subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
+        krhpr_platform_planar_c_attachment(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
     return status;
 }
@@ -1082,10 +1088,10 @@ KRHPR_API int krhpr_planar_rrr_c_singularity(
         double u_3[2];
         double N[2];
         krhpr_subleg_planar_rrr_posture(
-            &g->subleg[i], s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_determinant(&g->subleg[i], d, u_2, u_3, &type_1[i], factors + i);
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_determinant(&g->subleg, i, d, u_2, u_3, &type_1[i], factors + i);
         krhpr_platform_planar_c_line(
-            &g->platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1124,7 +1130,7 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1167,7 +1173,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1238,8 +1244,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
@@ -1306,7 +1312,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1373,7 +1379,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1442,7 +1448,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1529,7 +1535,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -11,29 +11,29 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_platform_planar_a_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_platform_planar_a_prepare, which computes the second. */
 typedef struct {
-    double platform_azimuth; /* azimuth of the leg on the platform (rad) */
-    double R_p; /* circumradius of the platform (m) */
-    double l_r; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
-    double e_r[2]; /* radial direction, -nu_i */
-    double b[2]; /* b_i */
-    double k[4]; /* sub-expressions of the geometry alone, computed once */
+    double platform_azimuth[KRHPR_PLACES]; /* azimuth of the leg on the platform (rad) */
+    double R_p[KRHPR_PLACES]; /* circumradius of the platform (m) */
+    double l_r[KRHPR_PLACES]; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
+    double e_r[2][KRHPR_PLACES]; /* radial direction, -nu_i */
+    double b[2][KRHPR_PLACES]; /* b_i */
+    double k[4][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_planar_a_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
-static inline void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g)
+static inline void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth, &e_r_1, &e_r_0);
-    g->e_r[0] = e_r_0;
-    g->e_r[1] = e_r_1;
-    g->b[0] = g->R_p * e_r_0;
-    g->b[1] = g->R_p * e_r_1;
-    g->k[0] = 0.5 * (g->l_r * g->l_r);
-    g->k[1] = 1.0 / g->l_r;
-    g->k[2] = g->l_r * e_r_0;
-    g->k[3] = g->l_r * e_r_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
+    g->e_r[0][i] = e_r_0;
+    g->e_r[1][i] = e_r_1;
+    g->b[0][i] = g->R_p[i] * e_r_0;
+    g->b[1][i] = g->R_p[i] * e_r_1;
+    g->k[0][i] = 0.5 * (g->l_r[i] * g->l_r[i]);
+    g->k[1][i] = 1.0 / g->l_r[i];
+    g->k[2][i] = g->l_r[i] * e_r_0;
+    g->k[3][i] = g->l_r[i] * e_r_1;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -44,13 +44,13 @@ static inline void krhpr_platform_planar_a_end_point_angles(double redundant, do
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
 static inline void krhpr_platform_planar_a_end_point(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double sine[1],
-    const double cosine[1], double *KRHPR_RESTRICT s)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
 {
-    const double l_c = g->l_r * cosine[0];
-    const double l_s = g->l_r * sine[0];
-    const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* r_i in the platform frame */
-    const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
+    const double l_c = g->l_r[i] * cosine[0];
+    const double l_s = g->l_r[i] * sine[0];
+    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* r_i in the platform frame */
+    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
     s[0] = p[0] + Q[0] * r_l_0 + Q[1] * r_l_1;
     s[1] = p[1] + Q[2] * r_l_0 + Q[3] * r_l_1;
 }
@@ -58,39 +58,39 @@ static inline void krhpr_platform_planar_a_end_point(
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (10 add, 12 multiply) */
 static inline void krhpr_platform_planar_a_redundant(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_x = Q[0] * a_0 + Q[2] * a_1;
     const double a_y = Q[1] * a_0 + Q[3] * a_1;
-    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    tail_y[0] = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    tail_x[0] = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.1).  (8 add, 7 multiply) */
 static inline void krhpr_platform_planar_a_residual(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT residual)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT residual)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0] = a2 * 0.5 - g->k[0];
+    residual[0] = a2 * 0.5 - g->k[0][i];
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
 static inline void krhpr_platform_planar_a_rows(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0];
     const double a_1 = p[1] + Qb_1 - s[1];
     J[0] = a_0;
@@ -103,12 +103,12 @@ static inline void krhpr_platform_planar_a_rows(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (15 add, 18 multiply) */
 static inline void krhpr_platform_planar_a_line(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0];
     const double a_1 = p[1] + Qb_1 - s[1];
     const double u_0 = s[0] - p[0]; /* O' to S_i */
@@ -124,8 +124,8 @@ static inline void krhpr_platform_planar_a_line(
     point[1] = Q[1] * u_0 + Q[3] * u_1;
     N[0] = a_0;
     N[1] = a_1;
-    scale[0] = g->l_r;
-    scale[1] = g->R_p;
+    scale[0] = g->l_r[i];
+    scale[1] = g->R_p[i];
 }
 
 /* Angles whose sines and cosines `line_of_redundant` reads.  (no operations) */
@@ -138,36 +138,36 @@ static inline void krhpr_platform_planar_a_line_of_redundant_angles(
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (7 add, 8 multiply) */
 static inline void krhpr_platform_planar_a_line_of_redundant(
-    const krhpr_platform_planar_a_geometry *g, const double sine[1], const double cosine[1],
+    const krhpr_platform_planar_a_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double l_c = g->l_r * cosine[0];
-    const double l_s = g->l_r * sine[0];
-    const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* r_i in the platform frame */
-    const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
-    const double a_0 = g->b[0] - r_l_0;
-    const double a_1 = g->b[1] - r_l_1;
+    const double l_c = g->l_r[i] * cosine[0];
+    const double l_s = g->l_r[i] * sine[0];
+    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* r_i in the platform frame */
+    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double a_0 = g->b[0][i] - r_l_0;
+    const double a_1 = g->b[1][i] - r_l_1;
     line[0] = a_0;
     line[1] = a_1;
-    line[2] = g->b[0] * a_1 - g->b[1] * a_0;
+    line[2] = g->b[0][i] * a_1 - g->b[1][i] * a_0;
     point[0] = r_l_0;
     point[1] = r_l_1;
-    scale[0] = g->l_r;
-    scale[1] = g->R_p;
+    scale[0] = g->l_r[i];
+    scale[1] = g->R_p[i];
 }
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (12 add, 8 multiply) */
 static inline void krhpr_platform_planar_a_end_velocity(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
     const double carried_0 = twist[0] - twist[2] * u_1;
     const double carried_1 = twist[1] + twist[2] * u_0;
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     s_dot[0] = carried_0 - redundant_rates * a_1;
@@ -176,22 +176,22 @@ static inline void krhpr_platform_planar_a_end_velocity(
 
 /* Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply) */
 static inline void krhpr_platform_planar_a_end_acceleration(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], double redundant_rates, const double twist_rate[3],
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double twist[3], double redundant_rates, const double twist_rate[3],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
     const double carried_0 = twist[0] - twist[2] * u_1;
     const double carried_1 = twist[1] + twist[2] * u_0;
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double s_dot_0 = carried_0 - redundant_rates * a_1;
     const double s_dot_1 = carried_1 + redundant_rates * a_0;
-    const double t1 = twist[0] - (g->b[0] * (Q[2] * twist[2]) + g->b[1] * (Q[3] * twist[2])) - s_dot_0;
-    const double t2 = twist[1] + (g->b[0] * (Q[0] * twist[2]) + g->b[1] * (Q[1] * twist[2])) - s_dot_1;
+    const double t1 = twist[0] - (g->b[0][i] * (Q[2] * twist[2]) + g->b[1][i] * (Q[3] * twist[2])) - s_dot_0;
+    const double t2 = twist[1] + (g->b[0][i] * (Q[0] * twist[2]) + g->b[1][i] * (Q[1] * twist[2])) - s_dot_1;
     const double s_ddot_0 = twist_rate[0] - (twist_rate[2] * u_1 + twist[2] * (s_dot_1 - twist[1])) - (redundant_accelerations * a_1 + redundant_rates * t2);
     const double s_ddot_1 = twist_rate[1] + (twist_rate[2] * u_0 + twist[2] * (s_dot_0 - twist[0])) + (redundant_accelerations * a_0 + redundant_rates * t1);
     s_dot[0] = s_dot_0;
@@ -203,15 +203,15 @@ static inline void krhpr_platform_planar_a_end_acceleration(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (19 add, 21 multiply) */
 static inline void krhpr_platform_planar_a_row_bias(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0];
     const double a_1 = p[1] + Qb_1 - s[1];
-    const double t1 = g->b[0] * (Q[2] * twist[2]) + g->b[1] * (Q[3] * twist[2]);
-    const double t2 = g->b[0] * (Q[0] * twist[2]) + g->b[1] * (Q[1] * twist[2]);
+    const double t1 = g->b[0][i] * (Q[2] * twist[2]) + g->b[1][i] * (Q[3] * twist[2]);
+    const double t2 = g->b[0][i] * (Q[0] * twist[2]) + g->b[1][i] * (Q[1] * twist[2]);
     const double t3 = twist[0] - t1 - s_dot[0];
     const double t4 = twist[1] + t2 - s_dot[1];
     const double bias_0 = s_dot[0] * t3 + s_dot[1] * t4 - twist[0] * t3 - twist[1] * t4 - twist[2] * (Qb_0 * t4 - a_1 * t1 - (a_0 * t2 + Qb_1 * t3));
@@ -220,28 +220,29 @@ static inline void krhpr_platform_planar_a_row_bias(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (10 add, 14 multiply) */
 static inline void krhpr_platform_planar_a_joint(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_x = Q[0] * a_0 + Q[2] * a_1;
     const double a_y = Q[1] * a_0 + Q[3] * a_1;
-    redundant_link[0] = a_0 * g->k[1];
-    redundant_link[1] = g->k[1] * a_1;
-    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    redundant_link[0] = a_0 * g->k[1][i];
+    redundant_link[1] = g->k[1][i] * a_1;
+    tail_y[0] = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    tail_x[0] = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
 }
 
 /* Where the redundant link meets the platform.  (4 add, 4 multiply) */
 static inline void krhpr_platform_planar_a_attachment(
-    const krhpr_platform_planar_a_geometry *g, const double p[2], const double Q[4],
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     double *KRHPR_RESTRICT attachment)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1];
-    const double Qb_1 = g->b[0] * Q[2] + g->b[1] * Q[3];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1];
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
     attachment[0] = p[0] + Qb_0;
     attachment[1] = p[1] + Qb_1;
 }
@@ -290,11 +291,12 @@ static inline void krhpr_platform_planar_a_type_2(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 static inline void krhpr_platform_planar_a_tie(
-    const krhpr_platform_planar_a_geometry *g, double *KRHPR_RESTRICT anchor, double *KRHPR_RESTRICT length)
+    const krhpr_platform_planar_a_geometry *g, int i, double *KRHPR_RESTRICT anchor,
+    double *KRHPR_RESTRICT length)
 {
-    anchor[0] = g->b[0];
-    anchor[1] = g->b[1];
-    *length = g->l_r;
+    anchor[0] = g->b[0][i];
+    anchor[1] = g->b[1][i];
+    *length = g->l_r[i];
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
@@ -772,10 +774,10 @@ static inline void krhpr_platform_planar_a_newton_pose(
 
 /* The redundant link where its angle is a half turn.  (no operations) */
 static inline void krhpr_platform_planar_a_arm(
-    const krhpr_platform_planar_a_geometry *g, double *KRHPR_RESTRICT arm)
+    const krhpr_platform_planar_a_geometry *g, int i, double *KRHPR_RESTRICT arm)
 {
-    arm[0] = g->k[2];
-    arm[1] = g->k[3];
+    arm[0] = g->k[2][i];
+    arm[1] = g->k[3][i];
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */

@@ -11,80 +11,80 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_platform_planar_b_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_platform_planar_b_prepare, which computes the second. */
 typedef struct {
-    double platform_azimuth; /* direction t_i of the slide in the platform frame (rad) */
-    double b_x; /* point b_i of the slide in the platform frame, x (m) */
-    double b_y; /* point b_i of the slide in the platform frame, y (m) */
-    double l_r; /* redundant link, from r_i along n_i to its slider (m) */
-    double t[2]; /* t_i, along the slide */
-    double m[2]; /* m_i, S_i where d_i = 0 */
-    double k[6]; /* sub-expressions of the geometry alone, computed once */
+    double platform_azimuth[KRHPR_PLACES]; /* direction t_i of the slide in the platform frame (rad) */
+    double b_x[KRHPR_PLACES]; /* point b_i of the slide in the platform frame, x (m) */
+    double b_y[KRHPR_PLACES]; /* point b_i of the slide in the platform frame, y (m) */
+    double l_r[KRHPR_PLACES]; /* redundant link, from r_i along n_i to its slider (m) */
+    double t[2][KRHPR_PLACES]; /* t_i, along the slide */
+    double m[2][KRHPR_PLACES]; /* m_i, S_i where d_i = 0 */
+    double k[6][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_planar_b_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (4 add, 6 multiply, 1 sine cosine) */
-static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geometry *g)
+static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geometry *g, int i)
 {
-    double t_1, t_0; krhpr_sincos(g->platform_azimuth, &t_1, &t_0);
-    const double m_0 = g->b_x + g->l_r * t_1;
-    const double m_1 = g->b_y - g->l_r * t_0;
+    double t_1, t_0; krhpr_sincos(g->platform_azimuth[i], &t_1, &t_0);
+    const double m_0 = g->b_x[i] + g->l_r[i] * t_1;
+    const double m_1 = g->b_y[i] - g->l_r[i] * t_0;
     const double k_0 = t_0 * m_0;
     const double k_1 = t_1 * m_1;
     const double k_2 = t_0 * m_1;
     const double k_3 = t_1 * m_0;
-    g->t[0] = t_0;
-    g->t[1] = t_1;
-    g->m[0] = m_0;
-    g->m[1] = m_1;
-    g->k[0] = k_0;
-    g->k[1] = k_1;
-    g->k[2] = k_2;
-    g->k[3] = k_3;
-    g->k[4] = k_2 - k_3;
-    g->k[5] = k_0 + k_1;
+    g->t[0][i] = t_0;
+    g->t[1][i] = t_1;
+    g->m[0][i] = m_0;
+    g->m[1][i] = m_1;
+    g->k[0][i] = k_0;
+    g->k[1][i] = k_1;
+    g->k[2][i] = k_2;
+    g->k[3][i] = k_3;
+    g->k[4][i] = k_2 - k_3;
+    g->k[5][i] = k_0 + k_1;
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (6 add, 6 multiply) */
 static inline void krhpr_platform_planar_b_end_point(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], double redundant,
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4], double redundant,
     double *KRHPR_RESTRICT s)
 {
-    const double s_l_0 = g->m[0] + g->t[0] * redundant;
-    const double s_l_1 = g->m[1] + g->t[1] * redundant;
+    const double s_l_0 = g->m[0][i] + g->t[0][i] * redundant;
+    const double s_l_1 = g->m[1][i] + g->t[1][i] * redundant;
     s[0] = p[0] + Q[0] * s_l_0 + Q[1] * s_l_1;
     s[1] = p[1] + Q[2] * s_l_0 + Q[3] * s_l_1;
 }
 
 /* Redundant coordinate: slide delta_i along t_i, from b_i, signed.  (7 add, 6 multiply) */
 static inline void krhpr_platform_planar_b_redundant(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT redundant)
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT redundant)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1];
-    const double Qt_1 = g->t[0] * Q[2] + g->t[1] * Q[3];
-    *redundant = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) - g->k[0] - g->k[1];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1];
+    const double Qt_1 = g->t[0][i] * Q[2] + g->t[1][i] * Q[3];
+    *redundant = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) - g->k[0][i] - g->k[1][i];
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.8).  (7 add, 6 multiply) */
 static inline void krhpr_platform_planar_b_residual(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT residual)
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT residual)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
-    residual[0] = g->k[2] - u_0 * Qn_0 - u_1 * Qn_1 - g->k[3];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[3] - g->t[1][i] * Q[2];
+    residual[0] = g->k[2][i] - u_0 * Qn_0 - u_1 * Qn_1 - g->k[3][i];
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (5 add, 6 multiply) */
 static inline void krhpr_platform_planar_b_rows(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[3] - g->t[1][i] * Q[2];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     J[0] = Qn_0;
@@ -97,12 +97,12 @@ static inline void krhpr_platform_planar_b_rows(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (9 add, 14 multiply) */
 static inline void krhpr_platform_planar_b_line(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[3] - g->t[1][i] * Q[2];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double a_l_0 = Q[0] * Qn_0 + Q[2] * Qn_1; /* in the platform frame */
@@ -123,15 +123,15 @@ static inline void krhpr_platform_planar_b_line(
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (3 add, 4 multiply) */
 static inline void krhpr_platform_planar_b_line_of_redundant(
-    const krhpr_platform_planar_b_geometry *g, double redundant, double *KRHPR_RESTRICT line,
+    const krhpr_platform_planar_b_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double s_l_0 = g->m[0] + g->t[0] * redundant; /* S_i in the platform frame */
-    const double s_l_1 = g->m[1] + g->t[1] * redundant;
-    const double Qn_0 = -g->t[1]; /* Q n_i */
+    const double s_l_0 = g->m[0][i] + g->t[0][i] * redundant; /* S_i in the platform frame */
+    const double s_l_1 = g->m[1][i] + g->t[1][i] * redundant;
+    const double Qn_0 = -g->t[1][i]; /* Q n_i */
     line[0] = Qn_0;
-    line[1] = g->t[0];
-    line[2] = g->t[0] * s_l_0 + g->t[1] * s_l_1;
+    line[1] = g->t[0][i];
+    line[2] = g->t[0][i] * s_l_0 + g->t[1][i] * s_l_1;
     point[0] = s_l_0;
     point[1] = s_l_1;
     scale[0] = 1.0;
@@ -141,80 +141,82 @@ static inline void krhpr_platform_planar_b_line_of_redundant(
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (8 add, 8 multiply) */
 static inline void krhpr_platform_planar_b_end_velocity(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
     const double carried_0 = twist[0] - twist[2] * u_1;
     const double carried_1 = twist[1] + twist[2] * u_0;
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[2] + g->t[1] * Q[3];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[2] + g->t[1][i] * Q[3];
     s_dot[0] = carried_0 + redundant_rates * Qt_0;
     s_dot[1] = carried_1 + redundant_rates * Qt_1;
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (20 add, 24 multiply) */
 static inline void krhpr_platform_planar_b_end_acceleration(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], double redundant_rates, const double twist_rate[3],
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double twist[3], double redundant_rates, const double twist_rate[3],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
     const double carried_0 = twist[0] - twist[2] * u_1;
     const double carried_1 = twist[1] + twist[2] * u_0;
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[2] + g->t[1] * Q[3];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[2] + g->t[1][i] * Q[3];
     const double s_dot_0 = carried_0 + redundant_rates * Qt_0;
     const double s_dot_1 = carried_1 + redundant_rates * Qt_1;
-    const double t1 = redundant_accelerations * Qt_0 - redundant_rates * (g->t[0] * (Q[2] * twist[2]) + g->t[1] * (Q[3] * twist[2]));
-    const double t2 = redundant_accelerations * Qt_1 + redundant_rates * (g->t[0] * (Q[0] * twist[2]) + g->t[1] * (Q[1] * twist[2]));
+    const double t1 = redundant_rates * (g->t[0][i] * (Q[2] * twist[2]) + g->t[1][i] * (Q[3] * twist[2]));
+    const double s_ddot_0 = twist_rate[0] - (twist_rate[2] * u_1 + twist[2] * (s_dot_1 - twist[1])) + (redundant_accelerations * Qt_0 - t1);
+    const double t2 = redundant_rates * (g->t[0][i] * (Q[0] * twist[2]) + g->t[1][i] * (Q[1] * twist[2]));
+    const double s_ddot_1 = twist_rate[1] + (twist_rate[2] * u_0 + twist[2] * (s_dot_0 - twist[0])) + (redundant_accelerations * Qt_1 + t2);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
-    s_ddot[0] = twist_rate[0] - (twist_rate[2] * u_1 + twist[2] * (s_dot_1 - twist[1])) + t1;
-    s_ddot[1] = twist_rate[1] + (twist_rate[2] * u_0 + twist[2] * (s_dot_0 - twist[0])) + t2;
+    s_ddot[0] = s_ddot_0;
+    s_ddot[1] = s_ddot_1;
 }
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (15 add, 21 multiply) */
 static inline void krhpr_platform_planar_b_row_bias(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[3] - g->t[1][i] * Q[2];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
-    const double t1 = g->t[1] * (Q[2] * twist[2]) - g->t[0] * (Q[3] * twist[2]);
-    const double t2 = g->t[0] * (Q[1] * twist[2]) - g->t[1] * (Q[0] * twist[2]);
+    const double t1 = g->t[1][i] * (Q[2] * twist[2]) - g->t[0][i] * (Q[3] * twist[2]);
+    const double t2 = g->t[0][i] * (Q[1] * twist[2]) - g->t[1][i] * (Q[0] * twist[2]);
     const double t3 = b_0 * t2 + Qn_1 * (s_dot[0] - twist[0]) - (b_1 * t1 + Qn_0 * (s_dot[1] - twist[1]));
     bias[0] = s_dot[0] * t1 + s_dot[1] * t2 - twist[0] * t1 - twist[1] * t2 - twist[2] * t3;
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (9 add, 10 multiply) */
 static inline void krhpr_platform_planar_b_joint(
-    const krhpr_platform_planar_b_geometry *g, const double p[2], const double Q[4], const double s[2],
-    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[2] + g->t[1] * Q[3];
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[2] + g->t[1][i] * Q[3];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[3] - g->t[1][i] * Q[2];
     redundant_link[0] = Qn_0;
     redundant_link[1] = Qn_1;
-    *platform_joint = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) - g->k[0] - g->k[1];
+    *platform_joint = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) - g->k[0][i] - g->k[1][i];
 }
 
 /* Where the redundant link meets the platform.  (4 add, 6 multiply) */
 static inline void krhpr_platform_planar_b_attachment(
-    const krhpr_platform_planar_b_geometry *g, const double Q[4], const double s[2],
+    const krhpr_platform_planar_b_geometry *g, int i, const double Q[4], const double s[2],
     double *KRHPR_RESTRICT attachment)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0];
-    const double Qn_1 = g->t[0] * Q[3] - g->t[1] * Q[2];
-    attachment[0] = s[0] + g->l_r * Qn_0;
-    attachment[1] = s[1] + g->l_r * Qn_1;
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0];
+    const double Qn_1 = g->t[0][i] * Q[3] - g->t[1][i] * Q[2];
+    attachment[0] = s[0] + g->l_r[i] * Qn_0;
+    attachment[1] = s[1] + g->l_r[i] * Qn_1;
 }
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
@@ -262,13 +264,13 @@ static inline void krhpr_platform_planar_b_type_2(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 static inline void krhpr_platform_planar_b_tie(
-    const krhpr_platform_planar_b_geometry *g, double *KRHPR_RESTRICT slide, double *KRHPR_RESTRICT distance,
-    double *KRHPR_RESTRICT start)
+    const krhpr_platform_planar_b_geometry *g, int i, double *KRHPR_RESTRICT slide,
+    double *KRHPR_RESTRICT distance, double *KRHPR_RESTRICT start)
 {
-    slide[0] = g->t[0];
-    slide[1] = g->t[1];
-    *distance = g->k[4];
-    *start = g->k[5];
+    slide[0] = g->t[0][i];
+    slide[1] = g->t[1][i];
+    *distance = g->k[4][i];
+    *start = g->k[5][i];
 }
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.8).  (94 add, 124 multiply, 3

@@ -11,29 +11,29 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_platform_spatial_a_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_platform_spatial_a_prepare, which computes the second. */
 typedef struct {
-    double platform_azimuth; /* azimuth of the leg on the platform (rad) */
-    double R_p; /* circumradius of the platform (m) */
-    double l_r; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
-    double e_r[2]; /* radial direction */
-    double b[2]; /* B_i */
-    double k[4]; /* sub-expressions of the geometry alone, computed once */
+    double platform_azimuth[KRHPR_PLACES]; /* azimuth of the leg on the platform (rad) */
+    double R_p[KRHPR_PLACES]; /* circumradius of the platform (m) */
+    double l_r[KRHPR_PLACES]; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
+    double e_r[2][KRHPR_PLACES]; /* radial direction */
+    double b[2][KRHPR_PLACES]; /* B_i */
+    double k[4][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_spatial_a_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
-static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g)
+static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth, &e_r_1, &e_r_0);
-    g->e_r[0] = e_r_0;
-    g->e_r[1] = e_r_1;
-    g->b[0] = g->R_p * e_r_0;
-    g->b[1] = g->R_p * e_r_1;
-    g->k[0] = 0.5 * (g->l_r * g->l_r);
-    g->k[1] = 1.0 / g->l_r;
-    g->k[2] = g->l_r * e_r_0;
-    g->k[3] = g->l_r * e_r_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
+    g->e_r[0][i] = e_r_0;
+    g->e_r[1][i] = e_r_1;
+    g->b[0][i] = g->R_p[i] * e_r_0;
+    g->b[1][i] = g->R_p[i] * e_r_1;
+    g->k[0][i] = 0.5 * (g->l_r[i] * g->l_r[i]);
+    g->k[1][i] = 1.0 / g->l_r[i];
+    g->k[2][i] = g->l_r[i] * e_r_0;
+    g->k[3][i] = g->l_r[i] * e_r_1;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -44,13 +44,13 @@ static inline void krhpr_platform_spatial_a_end_point_angles(double redundant, d
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply) */
 static inline void krhpr_platform_spatial_a_end_point(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double sine[1],
-    const double cosine[1], double *KRHPR_RESTRICT s)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
 {
-    const double l_c = g->l_r * cosine[0];
-    const double l_s = g->l_r * sine[0];
-    const double s_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* S_i in the platform frame */
-    const double s_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
+    const double l_c = g->l_r[i] * cosine[0];
+    const double l_s = g->l_r[i] * sine[0];
+    const double s_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* S_i in the platform frame */
+    const double s_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
     s[0] = p[0] + Q[0] * s_l_0 + Q[1] * s_l_1;
     s[1] = p[1] + Q[3] * s_l_0 + Q[4] * s_l_1;
     s[2] = p[2] + Q[6] * s_l_0 + Q[7] * s_l_1;
@@ -59,45 +59,45 @@ static inline void krhpr_platform_spatial_a_end_point(
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (15 add, 16 multiply) */
 static inline void krhpr_platform_spatial_a_redundant(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
     const double a_x = Q[0] * a_0 + Q[3] * a_1 + Q[6] * a_2;
     const double a_y = Q[1] * a_0 + Q[4] * a_1 + Q[7] * a_2;
-    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    tail_y[0] = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    tail_x[0] = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
 }
 
 /* Residuals of the constraint equations.  Thesis: (1.1), (1.2).  (14 add, 13 multiply) */
 static inline void krhpr_platform_spatial_a_residual(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT residual)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT residual)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
     const double a2 = a_0 * a_0 + a_1 * a_1 + a_2 * a_2;
-    residual[0] = a2 * 0.5 - g->k[0];
+    residual[0] = a2 * 0.5 - g->k[0][i];
     residual[1] = Q[2] * a_0 + Q[5] * a_1 + Q[8] * a_2;
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (18 add, 18 multiply) */
 static inline void krhpr_platform_spatial_a_rows(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0];
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
@@ -127,13 +127,13 @@ static inline void krhpr_platform_spatial_a_rows(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (31 add, 36 multiply) */
 static inline void krhpr_platform_spatial_a_line(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0];
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
@@ -160,8 +160,8 @@ static inline void krhpr_platform_spatial_a_line(
     N[3] = Q[2];
     N[4] = Q[5];
     N[5] = Q[8];
-    scale[0] = g->l_r;
-    scale[1] = g->R_p;
+    scale[0] = g->l_r[i];
+    scale[1] = g->R_p[i];
 }
 
 /* Angles whose sines and cosines `line_of_redundant` reads.  (no operations) */
@@ -174,32 +174,32 @@ static inline void krhpr_platform_spatial_a_line_of_redundant_angles(
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (7 add, 8 multiply) */
 static inline void krhpr_platform_spatial_a_line_of_redundant(
-    const krhpr_platform_spatial_a_geometry *g, const double sine[1], const double cosine[1],
+    const krhpr_platform_spatial_a_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double l_c = g->l_r * cosine[0];
-    const double l_s = g->l_r * sine[0];
-    const double s_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s; /* S_i in the platform frame */
-    const double s_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
-    const double a_0 = g->b[0] - s_l_0;
-    const double a_1 = g->b[1] - s_l_1;
+    const double l_c = g->l_r[i] * cosine[0];
+    const double l_s = g->l_r[i] * sine[0];
+    const double s_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* S_i in the platform frame */
+    const double s_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double a_0 = g->b[0][i] - s_l_0;
+    const double a_1 = g->b[1][i] - s_l_1;
     line[0] = a_0;
     line[1] = a_1;
     line[2] = 0.0;
     line[3] = 0.0;
     line[4] = 0.0;
-    line[5] = g->b[0] * a_1 - g->b[1] * a_0;
+    line[5] = g->b[0][i] * a_1 - g->b[1][i] * a_0;
     point[0] = s_l_0;
     point[1] = s_l_1;
-    scale[0] = g->l_r;
-    scale[1] = g->R_p;
+    scale[0] = g->l_r[i];
+    scale[1] = g->R_p[i];
 }
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (24 add, 21 multiply) */
 static inline void krhpr_platform_spatial_a_end_velocity(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -207,9 +207,9 @@ static inline void krhpr_platform_spatial_a_end_velocity(
     const double carried_0 = twist[0] + twist[4] * u_2 - twist[5] * u_1;
     const double carried_1 = twist[1] + twist[5] * u_0 - twist[3] * u_2;
     const double carried_2 = twist[2] + twist[3] * u_1 - twist[4] * u_0;
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
@@ -220,8 +220,8 @@ static inline void krhpr_platform_spatial_a_end_velocity(
 
 /* Velocity and acceleration of the end point from those of the platform.  (72 add, 75 multiply) */
 static inline void krhpr_platform_spatial_a_end_acceleration(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rates, const double twist_rate[6],
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], double redundant_rates, const double twist_rate[6],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
@@ -230,9 +230,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration(
     const double carried_0 = twist[0] + twist[4] * u_2 - twist[5] * u_1;
     const double carried_1 = twist[1] + twist[5] * u_0 - twist[3] * u_2;
     const double carried_2 = twist[2] + twist[3] * u_1 - twist[4] * u_0;
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
@@ -251,9 +251,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration(
     const double t10 = twist_rate[0] + (twist_rate[4] * u_2 + twist[4] * t9) - (twist_rate[5] * u_1 + twist[5] * t8);
     const double t11 = twist_rate[1] + (twist_rate[5] * u_0 + twist[5] * t7) - (twist_rate[3] * u_2 + twist[3] * t9);
     const double t12 = twist_rate[2] + (twist_rate[3] * u_1 + twist[3] * t8) - (twist_rate[4] * u_0 + twist[4] * t7);
-    const double t13 = g->b[0] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->b[1] * (Q[7] * twist[4] - Q[4] * twist[5]);
-    const double t14 = g->b[0] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->b[1] * (Q[1] * twist[5] - Q[7] * twist[3]);
-    const double t15 = g->b[0] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->b[1] * (Q[4] * twist[3] - Q[1] * twist[4]);
+    const double t13 = g->b[0][i] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->b[1][i] * (Q[7] * twist[4] - Q[4] * twist[5]);
+    const double t14 = g->b[0][i] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->b[1][i] * (Q[1] * twist[5] - Q[7] * twist[3]);
+    const double t15 = g->b[0][i] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->b[1][i] * (Q[4] * twist[3] - Q[1] * twist[4]);
     const double t16 = twist[0] + t13 - s_dot_0;
     const double t17 = twist[1] + t14 - s_dot_1;
     const double t18 = twist[2] + t15 - s_dot_2;
@@ -271,12 +271,12 @@ static inline void krhpr_platform_spatial_a_end_acceleration(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (67 add, 72 multiply) */
 static inline void krhpr_platform_spatial_a_row_bias(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0];
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
@@ -286,9 +286,9 @@ static inline void krhpr_platform_spatial_a_row_bias(
     const double t1 = Q[8] * twist[4] - Q[5] * twist[5];
     const double t2 = Q[2] * twist[5] - Q[8] * twist[3];
     const double t3 = Q[5] * twist[3] - Q[2] * twist[4];
-    const double t4 = g->b[0] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->b[1] * (Q[7] * twist[4] - Q[4] * twist[5]);
-    const double t5 = g->b[0] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->b[1] * (Q[1] * twist[5] - Q[7] * twist[3]);
-    const double t6 = g->b[0] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->b[1] * (Q[4] * twist[3] - Q[1] * twist[4]);
+    const double t4 = g->b[0][i] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->b[1][i] * (Q[7] * twist[4] - Q[4] * twist[5]);
+    const double t5 = g->b[0][i] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->b[1][i] * (Q[1] * twist[5] - Q[7] * twist[3]);
+    const double t6 = g->b[0][i] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->b[1][i] * (Q[4] * twist[3] - Q[1] * twist[4]);
     const double t7 = twist[0] + t4 - s_dot[0];
     const double t8 = twist[1] + t5 - s_dot[1];
     const double t9 = twist[2] + t6 - s_dot[2];
@@ -305,18 +305,19 @@ static inline void krhpr_platform_spatial_a_row_bias(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (18 add, 25 multiply) */
 static inline void krhpr_platform_spatial_a_joint(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1]; /* Q b_i */
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
-    const double x_r_0 = a_0 * g->k[1]; /* from S_i to B_i */
+    const double x_r_0 = a_0 * g->k[1][i]; /* from S_i to B_i */
     const double a_1 = p[1] + Qb_1 - s[1]; /* (1.4) */
-    const double x_r_1 = g->k[1] * a_1; /* from S_i to B_i */
+    const double x_r_1 = g->k[1][i] * a_1; /* from S_i to B_i */
     const double a_2 = p[2] + Qb_2 - s[2]; /* (1.4) */
-    const double x_r_2 = g->k[1] * a_2; /* from S_i to B_i */
+    const double x_r_2 = g->k[1][i] * a_2; /* from S_i to B_i */
     const double y_r_0 = Q[5] * x_r_2 - Q[8] * x_r_1;
     const double y_r_1 = Q[8] * x_r_0 - Q[2] * x_r_2;
     const double y_r_2 = Q[2] * x_r_1 - Q[5] * x_r_0;
@@ -331,18 +332,18 @@ static inline void krhpr_platform_spatial_a_joint(
     redundant_link[6] = x_r_2;
     redundant_link[7] = y_r_2;
     redundant_link[8] = Q[8];
-    tail_y[0] = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    tail_x[0] = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    tail_y[0] = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    tail_x[0] = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
 }
 
 /* Where the redundant link meets the platform.  (6 add, 6 multiply) */
 static inline void krhpr_platform_spatial_a_attachment(
-    const krhpr_platform_spatial_a_geometry *g, const double p[3], const double Q[9],
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     double *KRHPR_RESTRICT attachment)
 {
-    const double Qb_0 = g->b[0] * Q[0] + g->b[1] * Q[1];
-    const double Qb_1 = g->b[0] * Q[3] + g->b[1] * Q[4];
-    const double Qb_2 = g->b[0] * Q[6] + g->b[1] * Q[7];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1];
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     attachment[0] = p[0] + Qb_0;
     attachment[1] = p[1] + Qb_1;
     attachment[2] = p[2] + Qb_2;
@@ -415,11 +416,12 @@ static inline void krhpr_platform_spatial_a_type_2(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 static inline void krhpr_platform_spatial_a_tie(
-    const krhpr_platform_spatial_a_geometry *g, double *KRHPR_RESTRICT anchor, double *KRHPR_RESTRICT length)
+    const krhpr_platform_spatial_a_geometry *g, int i, double *KRHPR_RESTRICT anchor,
+    double *KRHPR_RESTRICT length)
 {
-    anchor[0] = g->b[0];
-    anchor[1] = g->b[1];
-    *length = g->l_r;
+    anchor[0] = g->b[0][i];
+    anchor[1] = g->b[1][i];
+    *length = g->l_r[i];
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (127 add,
@@ -1002,10 +1004,10 @@ static inline void krhpr_platform_spatial_a_newton_pose(
 
 /* The redundant link where its angle is a half turn.  (no operations) */
 static inline void krhpr_platform_spatial_a_arm(
-    const krhpr_platform_spatial_a_geometry *g, double *KRHPR_RESTRICT arm)
+    const krhpr_platform_spatial_a_geometry *g, int i, double *KRHPR_RESTRICT arm)
 {
-    arm[0] = g->k[2];
-    arm[1] = g->k[3];
+    arm[0] = g->k[2][i];
+    arm[1] = g->k[3][i];
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */

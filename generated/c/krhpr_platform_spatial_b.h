@@ -11,47 +11,47 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_platform_spatial_b_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_platform_spatial_b_prepare, which computes the second. */
 typedef struct {
-    double platform_azimuth; /* azimuth of the leg on the platform (rad) */
-    double R_p; /* distance b of the slides from O' (m) */
-    double l_r; /* redundant link, from S_i outwards to its slider (m) */
-    double t[2]; /* t_i, along the slide */
-    double m[2]; /* m_i, S_i where d_i = 0 */
-    double k[6]; /* sub-expressions of the geometry alone, computed once */
+    double platform_azimuth[KRHPR_PLACES]; /* azimuth of the leg on the platform (rad) */
+    double R_p[KRHPR_PLACES]; /* distance b of the slides from O' (m) */
+    double l_r[KRHPR_PLACES]; /* redundant link, from S_i outwards to its slider (m) */
+    double t[2][KRHPR_PLACES]; /* t_i, along the slide */
+    double m[2][KRHPR_PLACES]; /* m_i, S_i where d_i = 0 */
+    double k[6][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_spatial_b_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (3 add, 6 multiply, 1 sine cosine) */
-static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geometry *g)
+static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geometry *g, int i)
 {
-    double t1, t_1; krhpr_sincos(g->platform_azimuth, &t1, &t_1);
-    const double t2 = g->R_p - g->l_r;
+    double t1, t_1; krhpr_sincos(g->platform_azimuth[i], &t1, &t_1);
+    const double t2 = g->R_p[i] - g->l_r[i];
     const double m_0 = t_1 * t2;
     const double m_1 = t1 * t2;
     const double t3 = t1 * m_0;
     const double k_1 = t_1 * m_1;
     const double k_2 = t_1 * m_0;
     const double t4 = t1 * m_1;
-    g->t[0] = -t1;
-    g->t[1] = t_1;
-    g->m[0] = m_0;
-    g->m[1] = m_1;
-    g->k[0] = -t3;
-    g->k[1] = k_1;
-    g->k[2] = k_2;
-    g->k[3] = -t4;
-    g->k[4] = k_2 + t4;
-    g->k[5] = k_1 - t3;
+    g->t[0][i] = -t1;
+    g->t[1][i] = t_1;
+    g->m[0][i] = m_0;
+    g->m[1][i] = m_1;
+    g->k[0][i] = -t3;
+    g->k[1][i] = k_1;
+    g->k[2][i] = k_2;
+    g->k[3][i] = -t4;
+    g->k[4][i] = k_2 + t4;
+    g->k[5][i] = k_1 - t3;
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
 static inline void krhpr_platform_spatial_b_end_point(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], double redundant,
-    double *KRHPR_RESTRICT s)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    double redundant, double *KRHPR_RESTRICT s)
 {
-    const double s_l_0 = g->m[0] + g->t[0] * redundant;
-    const double s_l_1 = g->m[1] + g->t[1] * redundant;
+    const double s_l_0 = g->m[0][i] + g->t[0][i] * redundant;
+    const double s_l_1 = g->m[1][i] + g->t[1][i] * redundant;
     s[0] = p[0] + Q[0] * s_l_0 + Q[1] * s_l_1;
     s[1] = p[1] + Q[3] * s_l_0 + Q[4] * s_l_1;
     s[2] = p[2] + Q[6] * s_l_0 + Q[7] * s_l_1;
@@ -59,39 +59,39 @@ static inline void krhpr_platform_spatial_b_end_point(
 
 /* Redundant coordinate: slide d_i of S_i along t_i = e_t, signed.  (10 add, 9 multiply) */
 static inline void krhpr_platform_spatial_b_redundant(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT redundant)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT redundant)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
-    const double redundant_a = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]) - g->k[0] - g->k[1];
-    *redundant = redundant_a;
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
+    const double t1 = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]) - g->k[0][i];
+    *redundant = t1 - g->k[1][i];
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (12 add, 12 multiply) */
 static inline void krhpr_platform_spatial_b_residual(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT residual)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT residual)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
     const double u_2 = s[2] - p[2];
-    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
-    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
-    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
-    residual[0] = g->k[2] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2 - g->k[3];
+    const double Qn_0 = g->t[1][i] * Q[0] - g->t[0][i] * Q[1]; /* Q n_i */
+    const double Qn_1 = g->t[1][i] * Q[3] - g->t[0][i] * Q[4];
+    const double Qn_2 = g->t[1][i] * Q[6] - g->t[0][i] * Q[7];
+    residual[0] = g->k[2][i] - u_0 * Qn_0 - u_1 * Qn_1 - u_2 * Qn_2 - g->k[3][i];
     residual[1] = -(Q[2] * u_0 + Q[5] * u_1 + Q[8] * u_2);
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (12 add, 18 multiply) */
 static inline void krhpr_platform_spatial_b_rows(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
-    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
-    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
-    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
+    const double Qn_0 = g->t[1][i] * Q[0] - g->t[0][i] * Q[1]; /* Q n_i */
+    const double Qn_1 = g->t[1][i] * Q[3] - g->t[0][i] * Q[4];
+    const double Qn_2 = g->t[1][i] * Q[6] - g->t[0][i] * Q[7];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double b_2 = s[2] - p[2];
@@ -118,13 +118,13 @@ static inline void krhpr_platform_spatial_b_rows(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (21 add, 30 multiply) */
 static inline void krhpr_platform_spatial_b_line(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
-    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
-    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
+    const double Qn_0 = g->t[1][i] * Q[0] - g->t[0][i] * Q[1]; /* Q n_i */
+    const double Qn_1 = g->t[1][i] * Q[3] - g->t[0][i] * Q[4];
+    const double Qn_2 = g->t[1][i] * Q[6] - g->t[0][i] * Q[7];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double b_2 = s[2] - p[2];
@@ -155,18 +155,18 @@ static inline void krhpr_platform_spatial_b_line(
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (3 add, 4 multiply) */
 static inline void krhpr_platform_spatial_b_line_of_redundant(
-    const krhpr_platform_spatial_b_geometry *g, double redundant, double *KRHPR_RESTRICT line,
+    const krhpr_platform_spatial_b_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double s_l_0 = g->m[0] + g->t[0] * redundant; /* S_i in the platform frame */
-    const double s_l_1 = g->m[1] + g->t[1] * redundant;
-    const double Qn_1 = -g->t[0]; /* Q n_i */
-    line[0] = g->t[1];
+    const double s_l_0 = g->m[0][i] + g->t[0][i] * redundant; /* S_i in the platform frame */
+    const double s_l_1 = g->m[1][i] + g->t[1][i] * redundant;
+    const double Qn_1 = -g->t[0][i]; /* Q n_i */
+    line[0] = g->t[1][i];
     line[1] = Qn_1;
     line[2] = 0.0;
     line[3] = 0.0;
     line[4] = 0.0;
-    line[5] = -(g->t[0] * s_l_0 + g->t[1] * s_l_1);
+    line[5] = -(g->t[0][i] * s_l_0 + g->t[1][i] * s_l_1);
     point[0] = s_l_0;
     point[1] = s_l_1;
     scale[0] = 1.0;
@@ -176,8 +176,8 @@ static inline void krhpr_platform_spatial_b_line_of_redundant(
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
 static inline void krhpr_platform_spatial_b_end_velocity(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -185,9 +185,9 @@ static inline void krhpr_platform_spatial_b_end_velocity(
     const double carried_0 = twist[0] + twist[4] * u_2 - twist[5] * u_1;
     const double carried_1 = twist[1] + twist[5] * u_0 - twist[3] * u_2;
     const double carried_2 = twist[2] + twist[3] * u_1 - twist[4] * u_0;
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
     s_dot[0] = carried_0 + redundant_rates * Qt_0;
     s_dot[1] = carried_1 + redundant_rates * Qt_1;
     s_dot[2] = carried_2 + redundant_rates * Qt_2;
@@ -195,8 +195,8 @@ static inline void krhpr_platform_spatial_b_end_velocity(
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
 static inline void krhpr_platform_spatial_b_end_acceleration(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rates, const double twist_rate[6],
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], double redundant_rates, const double twist_rate[6],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
@@ -205,9 +205,9 @@ static inline void krhpr_platform_spatial_b_end_acceleration(
     const double carried_0 = twist[0] + twist[4] * u_2 - twist[5] * u_1;
     const double carried_1 = twist[1] + twist[5] * u_0 - twist[3] * u_2;
     const double carried_2 = twist[2] + twist[3] * u_1 - twist[4] * u_0;
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
     const double s_dot_0 = carried_0 + redundant_rates * Qt_0;
     const double s_dot_1 = carried_1 + redundant_rates * Qt_1;
     const double s_dot_2 = carried_2 + redundant_rates * Qt_2;
@@ -217,9 +217,9 @@ static inline void krhpr_platform_spatial_b_end_acceleration(
     const double t4 = twist_rate[0] + (twist_rate[4] * u_2 + twist[4] * t3) - (twist_rate[5] * u_1 + twist[5] * t2);
     const double t5 = twist_rate[1] + (twist_rate[5] * u_0 + twist[5] * t1) - (twist_rate[3] * u_2 + twist[3] * t3);
     const double t6 = twist_rate[2] + (twist_rate[3] * u_1 + twist[3] * t2) - (twist_rate[4] * u_0 + twist[4] * t1);
-    const double t7 = g->t[0] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->t[1] * (Q[7] * twist[4] - Q[4] * twist[5]);
-    const double t8 = g->t[0] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->t[1] * (Q[1] * twist[5] - Q[7] * twist[3]);
-    const double t9 = g->t[0] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->t[1] * (Q[4] * twist[3] - Q[1] * twist[4]);
+    const double t7 = g->t[0][i] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->t[1][i] * (Q[7] * twist[4] - Q[4] * twist[5]);
+    const double t8 = g->t[0][i] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->t[1][i] * (Q[1] * twist[5] - Q[7] * twist[3]);
+    const double t9 = g->t[0][i] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->t[1][i] * (Q[4] * twist[3] - Q[1] * twist[4]);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -231,21 +231,21 @@ static inline void krhpr_platform_spatial_b_end_acceleration(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (55 add, 72 multiply) */
 static inline void krhpr_platform_spatial_b_row_bias(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
-    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
-    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
-    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
+    const double Qn_0 = g->t[1][i] * Q[0] - g->t[0][i] * Q[1]; /* Q n_i */
+    const double Qn_1 = g->t[1][i] * Q[3] - g->t[0][i] * Q[4];
+    const double Qn_2 = g->t[1][i] * Q[6] - g->t[0][i] * Q[7];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double b_2 = s[2] - p[2];
     const double t1 = Q[8] * twist[4] - Q[5] * twist[5];
     const double t2 = Q[2] * twist[5] - Q[8] * twist[3];
     const double t3 = Q[5] * twist[3] - Q[2] * twist[4];
-    const double t4 = g->t[1] * (Q[6] * twist[4] - Q[3] * twist[5]) - g->t[0] * (Q[7] * twist[4] - Q[4] * twist[5]);
-    const double t5 = g->t[1] * (Q[0] * twist[5] - Q[6] * twist[3]) - g->t[0] * (Q[1] * twist[5] - Q[7] * twist[3]);
-    const double t6 = g->t[1] * (Q[3] * twist[3] - Q[0] * twist[4]) - g->t[0] * (Q[4] * twist[3] - Q[1] * twist[4]);
+    const double t4 = g->t[1][i] * (Q[6] * twist[4] - Q[3] * twist[5]) - g->t[0][i] * (Q[7] * twist[4] - Q[4] * twist[5]);
+    const double t5 = g->t[1][i] * (Q[0] * twist[5] - Q[6] * twist[3]) - g->t[0][i] * (Q[1] * twist[5] - Q[7] * twist[3]);
+    const double t6 = g->t[1][i] * (Q[3] * twist[3] - Q[0] * twist[4]) - g->t[0][i] * (Q[4] * twist[3] - Q[1] * twist[4]);
     const double t7 = s_dot[0] - twist[0];
     const double t8 = s_dot[1] - twist[1];
     const double t9 = s_dot[2] - twist[2];
@@ -259,16 +259,16 @@ static inline void krhpr_platform_spatial_b_row_bias(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (13 add, 15 multiply) */
 static inline void krhpr_platform_spatial_b_joint(
-    const krhpr_platform_spatial_b_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
-    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1]; /* Q n_i */
-    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
-    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
-    const double platform_joint_a = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]) - g->k[0] - g->k[1];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
+    const double Qn_0 = g->t[1][i] * Q[0] - g->t[0][i] * Q[1]; /* Q n_i */
+    const double Qn_1 = g->t[1][i] * Q[3] - g->t[0][i] * Q[4];
+    const double Qn_2 = g->t[1][i] * Q[6] - g->t[0][i] * Q[7];
+    const double t1 = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]) - g->k[0][i];
     redundant_link[0] = Qn_0;
     redundant_link[1] = Qt_0;
     redundant_link[2] = Q[2];
@@ -278,20 +278,20 @@ static inline void krhpr_platform_spatial_b_joint(
     redundant_link[6] = Qn_2;
     redundant_link[7] = Qt_2;
     redundant_link[8] = Q[8];
-    *platform_joint = platform_joint_a;
+    *platform_joint = t1 - g->k[1][i];
 }
 
 /* Where the redundant link meets the platform.  (6 add, 9 multiply) */
 static inline void krhpr_platform_spatial_b_attachment(
-    const krhpr_platform_spatial_b_geometry *g, const double Q[9], const double s[3],
+    const krhpr_platform_spatial_b_geometry *g, int i, const double Q[9], const double s[3],
     double *KRHPR_RESTRICT attachment)
 {
-    const double Qn_0 = g->t[1] * Q[0] - g->t[0] * Q[1];
-    const double Qn_1 = g->t[1] * Q[3] - g->t[0] * Q[4];
-    const double Qn_2 = g->t[1] * Q[6] - g->t[0] * Q[7];
-    attachment[0] = s[0] + g->l_r * Qn_0;
-    attachment[1] = s[1] + g->l_r * Qn_1;
-    attachment[2] = s[2] + g->l_r * Qn_2;
+    const double Qn_0 = g->t[1][i] * Q[0] - g->t[0][i] * Q[1];
+    const double Qn_1 = g->t[1][i] * Q[3] - g->t[0][i] * Q[4];
+    const double Qn_2 = g->t[1][i] * Q[6] - g->t[0][i] * Q[7];
+    attachment[0] = s[0] + g->l_r[i] * Qn_0;
+    attachment[1] = s[1] + g->l_r[i] * Qn_1;
+    attachment[2] = s[2] + g->l_r[i] * Qn_2;
 }
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
@@ -362,13 +362,13 @@ static inline void krhpr_platform_spatial_b_type_2(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 static inline void krhpr_platform_spatial_b_tie(
-    const krhpr_platform_spatial_b_geometry *g, double *KRHPR_RESTRICT slide,
+    const krhpr_platform_spatial_b_geometry *g, int i, double *KRHPR_RESTRICT slide,
     double *KRHPR_RESTRICT distance, double *KRHPR_RESTRICT start)
 {
-    slide[0] = g->t[0];
-    slide[1] = g->t[1];
-    *distance = g->k[4];
-    *start = g->k[5];
+    slide[0] = g->t[0][i];
+    slide[1] = g->t[1][i];
+    *distance = g->k[4][i];
+    *start = g->k[5][i];
 }
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (143 add, 214

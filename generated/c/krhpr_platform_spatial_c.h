@@ -11,29 +11,29 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_platform_spatial_c_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_platform_spatial_c_prepare, which computes the second. */
 typedef struct {
-    double platform_azimuth; /* azimuth of the leg's slide on the platform (rad) */
-    double t[2]; /* t_i, along the slide */
+    double platform_azimuth[KRHPR_PLACES]; /* azimuth of the leg's slide on the platform (rad) */
+    double t[2][KRHPR_PLACES]; /* t_i, along the slide */
 } krhpr_platform_spatial_c_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (1 sine cosine) */
-static inline void krhpr_platform_spatial_c_prepare(krhpr_platform_spatial_c_geometry *g)
+static inline void krhpr_platform_spatial_c_prepare(krhpr_platform_spatial_c_geometry *g, int i)
 {
-    double t_1, t_0; krhpr_sincos(g->platform_azimuth, &t_1, &t_0);
-    g->t[0] = t_0;
-    g->t[1] = t_1;
+    double t_1, t_0; krhpr_sincos(g->platform_azimuth[i], &t_1, &t_0);
+    g->t[0][i] = t_0;
+    g->t[1][i] = t_1;
 }
 
 /* End point of the sub-leg, arrangement (c).  Thesis: (1.37), 2.5.  (6 add, 9 multiply) */
 static inline void krhpr_platform_spatial_c_end_point(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], double redundant,
-    double *KRHPR_RESTRICT s)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    double redundant, double *KRHPR_RESTRICT s)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1];
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1];
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
     s[0] = p[0] + redundant * Qt_0;
     s[1] = p[1] + redundant * Qt_1;
     s[2] = p[2] + redundant * Qt_2;
@@ -41,38 +41,38 @@ static inline void krhpr_platform_spatial_c_end_point(
 
 /* Redundant coordinate: slide d_i of S_i along t_i = e_r, from O', signed.  (8 add, 9 multiply) */
 static inline void krhpr_platform_spatial_c_redundant(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT redundant)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT redundant)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1];
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1];
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
     *redundant = Qt_0 * (s[0] - p[0]) + Qt_1 * (s[1] - p[1]) + Qt_2 * (s[2] - p[2]);
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.30), (2.31).  (10 add, 12 multiply) */
 static inline void krhpr_platform_spatial_c_residual(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT residual)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT residual)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
     const double u_2 = s[2] - p[2];
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
-    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[4] - g->t[1][i] * Q[3];
+    const double Qn_2 = g->t[0][i] * Q[7] - g->t[1][i] * Q[6];
     residual[0] = -(u_0 * Qn_0 + u_1 * Qn_1 + u_2 * Qn_2);
     residual[1] = -(Q[2] * u_0 + Q[5] * u_1 + Q[8] * u_2);
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (12 add, 18 multiply) */
 static inline void krhpr_platform_spatial_c_rows(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
-    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[4] - g->t[1][i] * Q[3];
+    const double Qn_2 = g->t[0][i] * Q[7] - g->t[1][i] * Q[6];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double b_2 = s[2] - p[2];
@@ -99,13 +99,13 @@ static inline void krhpr_platform_spatial_c_rows(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (21 add, 30 multiply) */
 static inline void krhpr_platform_spatial_c_line(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
-    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[4] - g->t[1][i] * Q[3];
+    const double Qn_2 = g->t[0][i] * Q[7] - g->t[1][i] * Q[6];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double b_2 = s[2] - p[2];
@@ -136,18 +136,18 @@ static inline void krhpr_platform_spatial_c_line(
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (1 add, 4 multiply) */
 static inline void krhpr_platform_spatial_c_line_of_redundant(
-    const krhpr_platform_spatial_c_geometry *g, double redundant, double *KRHPR_RESTRICT line,
+    const krhpr_platform_spatial_c_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = -g->t[1]; /* Q n_i */
-    const double b_0 = g->t[0] * redundant; /* from O' to the line */
-    const double b_1 = g->t[1] * redundant;
+    const double Qn_0 = -g->t[1][i]; /* Q n_i */
+    const double b_0 = g->t[0][i] * redundant; /* from O' to the line */
+    const double b_1 = g->t[1][i] * redundant;
     line[0] = Qn_0;
-    line[1] = g->t[0];
+    line[1] = g->t[0][i];
     line[2] = 0.0;
     line[3] = 0.0;
     line[4] = 0.0;
-    line[5] = g->t[0] * b_0 + g->t[1] * b_1;
+    line[5] = g->t[0][i] * b_0 + g->t[1][i] * b_1;
     point[0] = b_0;
     point[1] = b_1;
     scale[0] = 1.0;
@@ -157,8 +157,8 @@ static inline void krhpr_platform_spatial_c_line_of_redundant(
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
 static inline void krhpr_platform_spatial_c_end_velocity(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
     const double u_1 = s[1] - p[1];
@@ -166,9 +166,9 @@ static inline void krhpr_platform_spatial_c_end_velocity(
     const double carried_0 = twist[0] + twist[4] * u_2 - twist[5] * u_1;
     const double carried_1 = twist[1] + twist[5] * u_0 - twist[3] * u_2;
     const double carried_2 = twist[2] + twist[3] * u_1 - twist[4] * u_0;
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
     s_dot[0] = carried_0 + redundant_rates * Qt_0;
     s_dot[1] = carried_1 + redundant_rates * Qt_1;
     s_dot[2] = carried_2 + redundant_rates * Qt_2;
@@ -176,8 +176,8 @@ static inline void krhpr_platform_spatial_c_end_velocity(
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
 static inline void krhpr_platform_spatial_c_end_acceleration(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], double redundant_rates, const double twist_rate[6],
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], double redundant_rates, const double twist_rate[6],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0] - p[0]; /* O' to S_i */
@@ -186,9 +186,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration(
     const double carried_0 = twist[0] + twist[4] * u_2 - twist[5] * u_1;
     const double carried_1 = twist[1] + twist[5] * u_0 - twist[3] * u_2;
     const double carried_2 = twist[2] + twist[3] * u_1 - twist[4] * u_0;
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
     const double s_dot_0 = carried_0 + redundant_rates * Qt_0;
     const double s_dot_1 = carried_1 + redundant_rates * Qt_1;
     const double s_dot_2 = carried_2 + redundant_rates * Qt_2;
@@ -198,9 +198,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration(
     const double t4 = twist_rate[0] + (twist_rate[4] * u_2 + twist[4] * t3) - (twist_rate[5] * u_1 + twist[5] * t2);
     const double t5 = twist_rate[1] + (twist_rate[5] * u_0 + twist[5] * t1) - (twist_rate[3] * u_2 + twist[3] * t3);
     const double t6 = twist_rate[2] + (twist_rate[3] * u_1 + twist[3] * t2) - (twist_rate[4] * u_0 + twist[4] * t1);
-    const double t7 = g->t[0] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->t[1] * (Q[7] * twist[4] - Q[4] * twist[5]);
-    const double t8 = g->t[0] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->t[1] * (Q[1] * twist[5] - Q[7] * twist[3]);
-    const double t9 = g->t[0] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->t[1] * (Q[4] * twist[3] - Q[1] * twist[4]);
+    const double t7 = g->t[0][i] * (Q[6] * twist[4] - Q[3] * twist[5]) + g->t[1][i] * (Q[7] * twist[4] - Q[4] * twist[5]);
+    const double t8 = g->t[0][i] * (Q[0] * twist[5] - Q[6] * twist[3]) + g->t[1][i] * (Q[1] * twist[5] - Q[7] * twist[3]);
+    const double t9 = g->t[0][i] * (Q[3] * twist[3] - Q[0] * twist[4]) + g->t[1][i] * (Q[4] * twist[3] - Q[1] * twist[4]);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -212,21 +212,21 @@ static inline void krhpr_platform_spatial_c_end_acceleration(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (55 add, 72 multiply) */
 static inline void krhpr_platform_spatial_c_row_bias(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
-    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[4] - g->t[1][i] * Q[3];
+    const double Qn_2 = g->t[0][i] * Q[7] - g->t[1][i] * Q[6];
     const double b_0 = s[0] - p[0]; /* from O' to the line */
     const double b_1 = s[1] - p[1];
     const double b_2 = s[2] - p[2];
     const double t1 = Q[8] * twist[4] - Q[5] * twist[5];
     const double t2 = Q[2] * twist[5] - Q[8] * twist[3];
     const double t3 = Q[5] * twist[3] - Q[2] * twist[4];
-    const double t4 = g->t[0] * (Q[7] * twist[4] - Q[4] * twist[5]) - g->t[1] * (Q[6] * twist[4] - Q[3] * twist[5]);
-    const double t5 = g->t[0] * (Q[1] * twist[5] - Q[7] * twist[3]) - g->t[1] * (Q[0] * twist[5] - Q[6] * twist[3]);
-    const double t6 = g->t[0] * (Q[4] * twist[3] - Q[1] * twist[4]) - g->t[1] * (Q[3] * twist[3] - Q[0] * twist[4]);
+    const double t4 = g->t[0][i] * (Q[7] * twist[4] - Q[4] * twist[5]) - g->t[1][i] * (Q[6] * twist[4] - Q[3] * twist[5]);
+    const double t5 = g->t[0][i] * (Q[1] * twist[5] - Q[7] * twist[3]) - g->t[1][i] * (Q[0] * twist[5] - Q[6] * twist[3]);
+    const double t6 = g->t[0][i] * (Q[4] * twist[3] - Q[1] * twist[4]) - g->t[1][i] * (Q[3] * twist[3] - Q[0] * twist[4]);
     const double t7 = s_dot[0] - twist[0];
     const double t8 = s_dot[1] - twist[1];
     const double t9 = s_dot[2] - twist[2];
@@ -240,15 +240,15 @@ static inline void krhpr_platform_spatial_c_row_bias(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (11 add, 15 multiply) */
 static inline void krhpr_platform_spatial_c_joint(
-    const krhpr_platform_spatial_c_geometry *g, const double p[3], const double Q[9], const double s[3],
-    double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
-    const double Qt_0 = g->t[0] * Q[0] + g->t[1] * Q[1]; /* Q t_i */
-    const double Qt_1 = g->t[0] * Q[3] + g->t[1] * Q[4];
-    const double Qt_2 = g->t[0] * Q[6] + g->t[1] * Q[7];
-    const double Qn_0 = g->t[0] * Q[1] - g->t[1] * Q[0]; /* Q n_i */
-    const double Qn_1 = g->t[0] * Q[4] - g->t[1] * Q[3];
-    const double Qn_2 = g->t[0] * Q[7] - g->t[1] * Q[6];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
+    const double Qn_0 = g->t[0][i] * Q[1] - g->t[1][i] * Q[0]; /* Q n_i */
+    const double Qn_1 = g->t[0][i] * Q[4] - g->t[1][i] * Q[3];
+    const double Qn_2 = g->t[0][i] * Q[7] - g->t[1][i] * Q[6];
     redundant_link[0] = Qt_0;
     redundant_link[1] = Qn_0;
     redundant_link[2] = Q[2];
@@ -263,9 +263,10 @@ static inline void krhpr_platform_spatial_c_joint(
 
 /* Where the redundant link meets the platform.  (no operations) */
 static inline void krhpr_platform_spatial_c_attachment(
-    const krhpr_platform_spatial_c_geometry *g, const double s[3], double *KRHPR_RESTRICT attachment)
+    const krhpr_platform_spatial_c_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT attachment)
 {
     (void)(g);
+    (void)(i);
     attachment[0] = s[0];
     attachment[1] = s[1];
     attachment[2] = s[2];
@@ -338,10 +339,10 @@ static inline void krhpr_platform_spatial_c_type_2(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 static inline void krhpr_platform_spatial_c_tie(
-    const krhpr_platform_spatial_c_geometry *g, double *KRHPR_RESTRICT slide)
+    const krhpr_platform_spatial_c_geometry *g, int i, double *KRHPR_RESTRICT slide)
 {
-    slide[0] = g->t[0];
-    slide[1] = g->t[1];
+    slide[0] = g->t[0][i];
+    slide[1] = g->t[1][i];
 }
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (117 add, 189

@@ -13,34 +13,56 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_spatial_cpr3_a_prepare(krhpr_spatial_cpr3_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_cpr3_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].tilt_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].turn_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].x_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].y_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].z_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].tilt_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].turn_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].x_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].y_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].z_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].tilt_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].turn_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].x_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].y_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].z_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.tilt_1[KRHPR_PLACES - 1] = g->subleg.tilt_1[2];
+    valid &= krhpr_taint(g->subleg.tilt_1, KRHPR_PLACES) == 0.0;
+    g->subleg.turn_1[KRHPR_PLACES - 1] = g->subleg.turn_1[2];
+    valid &= krhpr_taint(g->subleg.turn_1, KRHPR_PLACES) == 0.0;
+    g->subleg.x_1[KRHPR_PLACES - 1] = g->subleg.x_1[2];
+    valid &= krhpr_taint(g->subleg.x_1, KRHPR_PLACES) == 0.0;
+    g->subleg.y_1[KRHPR_PLACES - 1] = g->subleg.y_1[2];
+    valid &= krhpr_taint(g->subleg.y_1, KRHPR_PLACES) == 0.0;
+    g->subleg.z_1[KRHPR_PLACES - 1] = g->subleg.z_1[2];
+    valid &= krhpr_taint(g->subleg.z_1, KRHPR_PLACES) == 0.0;
+    g->subleg.tilt_2[KRHPR_PLACES - 1] = g->subleg.tilt_2[2];
+    valid &= krhpr_taint(g->subleg.tilt_2, KRHPR_PLACES) == 0.0;
+    g->subleg.turn_2[KRHPR_PLACES - 1] = g->subleg.turn_2[2];
+    valid &= krhpr_taint(g->subleg.turn_2, KRHPR_PLACES) == 0.0;
+    g->subleg.x_2[KRHPR_PLACES - 1] = g->subleg.x_2[2];
+    valid &= krhpr_taint(g->subleg.x_2, KRHPR_PLACES) == 0.0;
+    g->subleg.y_2[KRHPR_PLACES - 1] = g->subleg.y_2[2];
+    valid &= krhpr_taint(g->subleg.y_2, KRHPR_PLACES) == 0.0;
+    g->subleg.z_2[KRHPR_PLACES - 1] = g->subleg.z_2[2];
+    valid &= krhpr_taint(g->subleg.z_2, KRHPR_PLACES) == 0.0;
+    g->subleg.tilt_3[KRHPR_PLACES - 1] = g->subleg.tilt_3[2];
+    valid &= krhpr_taint(g->subleg.tilt_3, KRHPR_PLACES) == 0.0;
+    g->subleg.turn_3[KRHPR_PLACES - 1] = g->subleg.turn_3[2];
+    valid &= krhpr_taint(g->subleg.turn_3, KRHPR_PLACES) == 0.0;
+    g->subleg.x_3[KRHPR_PLACES - 1] = g->subleg.x_3[2];
+    valid &= krhpr_taint(g->subleg.x_3, KRHPR_PLACES) == 0.0;
+    g->subleg.y_3[KRHPR_PLACES - 1] = g->subleg.y_3[2];
+    valid &= krhpr_taint(g->subleg.y_3, KRHPR_PLACES) == 0.0;
+    g->subleg.z_3[KRHPR_PLACES - 1] = g->subleg.z_3[2];
+    valid &= krhpr_taint(g->subleg.z_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_cpr3_prepare(&g->subleg, i);
+        krhpr_platform_spatial_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -49,28 +71,28 @@ KRHPR_API int krhpr_spatial_cpr3_a_set_geometry(krhpr_spatial_cpr3_a_geometry *g
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 22 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].tilt_1 = leg[4];
-        g->subleg[i].turn_1 = leg[5];
-        g->subleg[i].x_1 = leg[6];
-        g->subleg[i].y_1 = leg[7];
-        g->subleg[i].z_1 = leg[8];
-        g->subleg[i].tilt_2 = leg[9];
-        g->subleg[i].turn_2 = leg[10];
-        g->subleg[i].x_2 = leg[11];
-        g->subleg[i].y_2 = leg[12];
-        g->subleg[i].z_2 = leg[13];
-        g->subleg[i].tilt_3 = leg[14];
-        g->subleg[i].turn_3 = leg[15];
-        g->subleg[i].x_3 = leg[16];
-        g->subleg[i].y_3 = leg[17];
-        g->subleg[i].z_3 = leg[18];
-        g->platform[i].platform_azimuth = leg[19];
-        g->platform[i].R_p = leg[20];
-        g->platform[i].l_r = leg[21];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.tilt_1[i] = leg[4];
+        g->subleg.turn_1[i] = leg[5];
+        g->subleg.x_1[i] = leg[6];
+        g->subleg.y_1[i] = leg[7];
+        g->subleg.z_1[i] = leg[8];
+        g->subleg.tilt_2[i] = leg[9];
+        g->subleg.turn_2[i] = leg[10];
+        g->subleg.x_2[i] = leg[11];
+        g->subleg.y_2[i] = leg[12];
+        g->subleg.z_2[i] = leg[13];
+        g->subleg.tilt_3[i] = leg[14];
+        g->subleg.turn_3[i] = leg[15];
+        g->subleg.x_3[i] = leg[16];
+        g->subleg.y_3[i] = leg[17];
+        g->subleg.z_3[i] = leg[18];
+        g->platform.platform_azimuth[i] = leg[19];
+        g->platform.R_p[i] = leg[20];
+        g->platform.l_r[i] = leg[21];
     }
     return krhpr_spatial_cpr3_a_prepare(g);
 }
@@ -136,7 +158,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_end_points(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -172,7 +194,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -217,7 +239,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward(
             s_at[k] = (s_near + 3 * i)[k];
         }
         for (int step = 0; step < 25 && !(change[i] <= 1e-20); ++step) {
-            krhpr_subleg_cpr3_forward_step(&g->subleg[i], theta + 3 * i, s_at, s_on, &change[i]);
+            krhpr_subleg_cpr3_forward_step(&g->subleg, i, theta + 3 * i, s_at, s_on, &change[i]);
             for (int k = 0; k < 3; ++k) {
                 s_at[k] = s_on[k];
             }
@@ -267,7 +289,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all(
     }
     for (int i = 0; i < 3; ++i) {
         double octic[9];
-        krhpr_subleg_cpr3_octic(&g->subleg[i], theta + 3 * i, octic);
+        krhpr_subleg_cpr3_octic(&g->subleg, i, theta + 3 * i, octic);
         {
             double root_x[8];
             double root_y[8];
@@ -279,7 +301,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all(
                 double miss[1];
                 double s_at[3];
                 double volume_at[1];
-                krhpr_subleg_cpr3_at_root(&g->subleg[i], root, theta + 3 * i, s_at, volume_at, miss);
+                krhpr_subleg_cpr3_at_root(&g->subleg, i, root, theta + 3 * i, s_at, volume_at, miss);
                 if (!(miss[0] <= 1e-18)) {
                     continue;
                 }
@@ -345,7 +367,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_cpr3_inverse_all(&g->subleg[i], s + 3 * i, theta + 3 * i, &radicand[i]);
+        krhpr_subleg_cpr3_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -386,8 +408,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian(
         double w[9];
         double b[3];
         double travel[3];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_jacobian(&g->subleg[i], w, b, M + 9 * i, &regularity[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_jacobian(&g->subleg, i, w, b, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -425,7 +447,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -468,9 +490,9 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians(
         double b[3];
         double travel[3];
         double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -520,9 +542,9 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks(
         double w[9];
         double b[3];
         double travel[3];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project(&g->subleg[i], w, b, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_project(&g->subleg, i, w, b, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -570,8 +592,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_cpr3_inverse(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_cpr3_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -619,8 +641,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_all(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_cpr3_inverse_all(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_cpr3_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -667,8 +689,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_status(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_cpr3_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_cpr3_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -719,9 +741,9 @@ KRHPR_API int krhpr_spatial_cpr3_a_twist(
         double travel[3];
         double s_dot[3];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity(&g->subleg[i], w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_velocity(&g->subleg, i, w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -778,9 +800,9 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_rates(
         double b[3];
         double travel[3];
         krhpr_platform_spatial_a_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates(&g->subleg[i], w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_rates(&g->subleg, i, w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -837,13 +859,13 @@ KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_cpr3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity(&g->subleg[i], w, b, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_velocity(&g->subleg, i, w, b, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -907,14 +929,14 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations(
         double b[3];
         double travel[3];
         krhpr_platform_spatial_a_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_cpr3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates(&g->subleg[i], w, b, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_rates(&g->subleg, i, w, b, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -969,10 +991,10 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints(
         double travel[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_passive(&g->subleg[i], w, travel, passive + 6 * i, link);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_passive(&g->subleg, i, w, travel, passive + 6 * i, link);
         krhpr_platform_spatial_a_joint(
-            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -1015,9 +1037,9 @@ KRHPR_API int krhpr_spatial_cpr3_a_link_points(
         double w[9];
         double b[3];
         double travel[3];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_points(&g->subleg[i], w, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_points(&g->subleg, i, w, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
     }
     return status;
 }
@@ -1061,10 +1083,10 @@ KRHPR_API int krhpr_spatial_cpr3_a_singularity(
         double b[3];
         double travel[3];
         double N[6];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_determinant(&g->subleg[i], w, b, &type_1[i], factors + 4 * i);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_determinant(&g->subleg, i, w, b, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1111,7 +1133,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1158,7 +1180,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1291,7 +1313,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward(
             s_at[k] = (s_near + 3 * i)[k];
         }
         for (int step = 0; step < 25 && !(change[i] <= 1e-20); ++step) {
-            krhpr_subleg_cpr3_forward_step(&g->subleg[i], theta + 3 * i, s_at, s_on, &change[i]);
+            krhpr_subleg_cpr3_forward_step(&g->subleg, i, theta + 3 * i, s_at, s_on, &change[i]);
             for (int k = 0; k < 3; ++k) {
                 s_at[k] = s_on[k];
             }
@@ -1299,7 +1321,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward(
         for (int k = 0; k < 3; ++k) {
             (s + 3 * i)[k] = s_at[k];
         }
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1429,7 +1451,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_newton(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1518,8 +1540,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1590,8 +1612,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1669,8 +1691,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1750,8 +1772,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1850,8 +1872,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

@@ -12,34 +12,56 @@
 KRHPR_API int krhpr_spatial_cpr3_b_prepare(krhpr_spatial_cpr3_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_cpr3_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].tilt_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].turn_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].x_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].y_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].z_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].tilt_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].turn_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].x_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].y_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].z_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].tilt_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].turn_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].x_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].y_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].z_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.tilt_1[KRHPR_PLACES - 1] = g->subleg.tilt_1[2];
+    valid &= krhpr_taint(g->subleg.tilt_1, KRHPR_PLACES) == 0.0;
+    g->subleg.turn_1[KRHPR_PLACES - 1] = g->subleg.turn_1[2];
+    valid &= krhpr_taint(g->subleg.turn_1, KRHPR_PLACES) == 0.0;
+    g->subleg.x_1[KRHPR_PLACES - 1] = g->subleg.x_1[2];
+    valid &= krhpr_taint(g->subleg.x_1, KRHPR_PLACES) == 0.0;
+    g->subleg.y_1[KRHPR_PLACES - 1] = g->subleg.y_1[2];
+    valid &= krhpr_taint(g->subleg.y_1, KRHPR_PLACES) == 0.0;
+    g->subleg.z_1[KRHPR_PLACES - 1] = g->subleg.z_1[2];
+    valid &= krhpr_taint(g->subleg.z_1, KRHPR_PLACES) == 0.0;
+    g->subleg.tilt_2[KRHPR_PLACES - 1] = g->subleg.tilt_2[2];
+    valid &= krhpr_taint(g->subleg.tilt_2, KRHPR_PLACES) == 0.0;
+    g->subleg.turn_2[KRHPR_PLACES - 1] = g->subleg.turn_2[2];
+    valid &= krhpr_taint(g->subleg.turn_2, KRHPR_PLACES) == 0.0;
+    g->subleg.x_2[KRHPR_PLACES - 1] = g->subleg.x_2[2];
+    valid &= krhpr_taint(g->subleg.x_2, KRHPR_PLACES) == 0.0;
+    g->subleg.y_2[KRHPR_PLACES - 1] = g->subleg.y_2[2];
+    valid &= krhpr_taint(g->subleg.y_2, KRHPR_PLACES) == 0.0;
+    g->subleg.z_2[KRHPR_PLACES - 1] = g->subleg.z_2[2];
+    valid &= krhpr_taint(g->subleg.z_2, KRHPR_PLACES) == 0.0;
+    g->subleg.tilt_3[KRHPR_PLACES - 1] = g->subleg.tilt_3[2];
+    valid &= krhpr_taint(g->subleg.tilt_3, KRHPR_PLACES) == 0.0;
+    g->subleg.turn_3[KRHPR_PLACES - 1] = g->subleg.turn_3[2];
+    valid &= krhpr_taint(g->subleg.turn_3, KRHPR_PLACES) == 0.0;
+    g->subleg.x_3[KRHPR_PLACES - 1] = g->subleg.x_3[2];
+    valid &= krhpr_taint(g->subleg.x_3, KRHPR_PLACES) == 0.0;
+    g->subleg.y_3[KRHPR_PLACES - 1] = g->subleg.y_3[2];
+    valid &= krhpr_taint(g->subleg.y_3, KRHPR_PLACES) == 0.0;
+    g->subleg.z_3[KRHPR_PLACES - 1] = g->subleg.z_3[2];
+    valid &= krhpr_taint(g->subleg.z_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_cpr3_prepare(&g->subleg, i);
+        krhpr_platform_spatial_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -48,28 +70,28 @@ KRHPR_API int krhpr_spatial_cpr3_b_set_geometry(krhpr_spatial_cpr3_b_geometry *g
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 22 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].tilt_1 = leg[4];
-        g->subleg[i].turn_1 = leg[5];
-        g->subleg[i].x_1 = leg[6];
-        g->subleg[i].y_1 = leg[7];
-        g->subleg[i].z_1 = leg[8];
-        g->subleg[i].tilt_2 = leg[9];
-        g->subleg[i].turn_2 = leg[10];
-        g->subleg[i].x_2 = leg[11];
-        g->subleg[i].y_2 = leg[12];
-        g->subleg[i].z_2 = leg[13];
-        g->subleg[i].tilt_3 = leg[14];
-        g->subleg[i].turn_3 = leg[15];
-        g->subleg[i].x_3 = leg[16];
-        g->subleg[i].y_3 = leg[17];
-        g->subleg[i].z_3 = leg[18];
-        g->platform[i].platform_azimuth = leg[19];
-        g->platform[i].R_p = leg[20];
-        g->platform[i].l_r = leg[21];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.tilt_1[i] = leg[4];
+        g->subleg.turn_1[i] = leg[5];
+        g->subleg.x_1[i] = leg[6];
+        g->subleg.y_1[i] = leg[7];
+        g->subleg.z_1[i] = leg[8];
+        g->subleg.tilt_2[i] = leg[9];
+        g->subleg.turn_2[i] = leg[10];
+        g->subleg.x_2[i] = leg[11];
+        g->subleg.y_2[i] = leg[12];
+        g->subleg.z_2[i] = leg[13];
+        g->subleg.tilt_3[i] = leg[14];
+        g->subleg.turn_3[i] = leg[15];
+        g->subleg.x_3[i] = leg[16];
+        g->subleg.y_3[i] = leg[17];
+        g->subleg.z_3[i] = leg[18];
+        g->platform.platform_azimuth[i] = leg[19];
+        g->platform.R_p[i] = leg[20];
+        g->platform.l_r[i] = leg[21];
     }
     return krhpr_spatial_cpr3_b_prepare(g);
 }
@@ -128,7 +150,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -161,7 +183,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_b_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -202,7 +224,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward(
             s_at[k] = (s_near + 3 * i)[k];
         }
         for (int step = 0; step < 25 && !(change[i] <= 1e-20); ++step) {
-            krhpr_subleg_cpr3_forward_step(&g->subleg[i], theta + 3 * i, s_at, s_on, &change[i]);
+            krhpr_subleg_cpr3_forward_step(&g->subleg, i, theta + 3 * i, s_at, s_on, &change[i]);
             for (int k = 0; k < 3; ++k) {
                 s_at[k] = s_on[k];
             }
@@ -252,7 +274,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_all(
     }
     for (int i = 0; i < 3; ++i) {
         double octic[9];
-        krhpr_subleg_cpr3_octic(&g->subleg[i], theta + 3 * i, octic);
+        krhpr_subleg_cpr3_octic(&g->subleg, i, theta + 3 * i, octic);
         {
             double root_x[8];
             double root_y[8];
@@ -264,7 +286,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_all(
                 double miss[1];
                 double s_at[3];
                 double volume_at[1];
-                krhpr_subleg_cpr3_at_root(&g->subleg[i], root, theta + 3 * i, s_at, volume_at, miss);
+                krhpr_subleg_cpr3_at_root(&g->subleg, i, root, theta + 3 * i, s_at, volume_at, miss);
                 if (!(miss[0] <= 1e-18)) {
                     continue;
                 }
@@ -330,7 +352,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_cpr3_inverse_all(&g->subleg[i], s + 3 * i, theta + 3 * i, &radicand[i]);
+        krhpr_subleg_cpr3_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -371,8 +393,8 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_jacobian(
         double w[9];
         double b[3];
         double travel[3];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_jacobian(&g->subleg[i], w, b, M + 9 * i, &regularity[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_jacobian(&g->subleg, i, w, b, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -410,7 +432,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_b_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -453,9 +475,9 @@ KRHPR_API int krhpr_spatial_cpr3_b_jacobians(
         double b[3];
         double travel[3];
         double K_block[6];
-        krhpr_platform_spatial_b_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -505,9 +527,9 @@ KRHPR_API int krhpr_spatial_cpr3_b_jacobian_blocks(
         double w[9];
         double b[3];
         double travel[3];
-        krhpr_platform_spatial_b_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project(&g->subleg[i], w, b, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_project(&g->subleg, i, w, b, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -548,8 +570,8 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_cpr3_inverse(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_cpr3_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -590,8 +612,8 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse_all(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_cpr3_inverse_all(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_cpr3_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -631,8 +653,8 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_cpr3_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_cpr3_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -683,9 +705,9 @@ KRHPR_API int krhpr_spatial_cpr3_b_twist(
         double travel[3];
         double s_dot[3];
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity(&g->subleg[i], w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_velocity(&g->subleg, i, w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -742,9 +764,9 @@ KRHPR_API int krhpr_spatial_cpr3_b_joint_rates(
         double b[3];
         double travel[3];
         krhpr_platform_spatial_b_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates(&g->subleg[i], w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_rates(&g->subleg, i, w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -801,13 +823,13 @@ KRHPR_API int krhpr_spatial_cpr3_b_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_cpr3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity(&g->subleg[i], w, b, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_velocity(&g->subleg, i, w, b, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_b_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_b_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -871,14 +893,14 @@ KRHPR_API int krhpr_spatial_cpr3_b_joint_accelerations(
         double b[3];
         double travel[3];
         krhpr_platform_spatial_b_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_cpr3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates(&g->subleg[i], w, b, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_rates(&g->subleg, i, w, b, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -930,9 +952,9 @@ KRHPR_API int krhpr_spatial_cpr3_b_passive_joints(
         double travel[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_passive(&g->subleg[i], w, travel, passive + 6 * i, link);
-        krhpr_platform_spatial_b_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_passive(&g->subleg, i, w, travel, passive + 6 * i, link);
+        krhpr_platform_spatial_b_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     return status;
@@ -971,9 +993,9 @@ KRHPR_API int krhpr_spatial_cpr3_b_link_points(
         double w[9];
         double b[3];
         double travel[3];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_points(&g->subleg[i], w, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_b_attachment(&g->platform[i], Q, s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_points(&g->subleg, i, w, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_b_attachment(&g->platform, i, Q, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -1017,10 +1039,10 @@ KRHPR_API int krhpr_spatial_cpr3_b_singularity(
         double b[3];
         double travel[3];
         double N[6];
-        krhpr_subleg_cpr3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_determinant(&g->subleg[i], w, b, &type_1[i], factors + 4 * i);
+        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_determinant(&g->subleg, i, w, b, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1060,7 +1082,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1105,7 +1127,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1182,7 +1204,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward(
             s_at[k] = (s_near + 3 * i)[k];
         }
         for (int step = 0; step < 25 && !(change[i] <= 1e-20); ++step) {
-            krhpr_subleg_cpr3_forward_step(&g->subleg[i], theta + 3 * i, s_at, s_on, &change[i]);
+            krhpr_subleg_cpr3_forward_step(&g->subleg, i, theta + 3 * i, s_at, s_on, &change[i]);
             for (int k = 0; k < 3; ++k) {
                 s_at[k] = s_on[k];
             }
@@ -1190,7 +1212,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward(
         for (int k = 0; k < 3; ++k) {
             (s + 3 * i)[k] = s_at[k];
         }
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1266,7 +1288,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1337,7 +1359,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1410,7 +1432,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1502,7 +1524,7 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

@@ -15,29 +15,41 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_spatial_p_fivebar_a_prepare(krhpr_spatial_p_fivebar_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_5, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->subleg[i].l_4 > 0.0;
-        valid &= g->subleg[i].l_5 > 0.0;
-        valid &= g->subleg[i].l_6 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
+    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    g->subleg.l_5[KRHPR_PLACES - 1] = g->subleg.l_5[2];
+    valid &= krhpr_taint(g->subleg.l_5, KRHPR_PLACES) == 0.0;
+    g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
+    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_p_fivebar_prepare(&g->subleg, i);
+        krhpr_platform_spatial_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->subleg.l_4[i] > 0.0;
+        valid &= g->subleg.l_5[i] > 0.0;
+        valid &= g->subleg.l_6[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -47,18 +59,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_set_geometry(
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 12 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->subleg[i].l_4 = leg[6];
-        g->subleg[i].l_5 = leg[7];
-        g->subleg[i].l_6 = leg[8];
-        g->platform[i].platform_azimuth = leg[9];
-        g->platform[i].R_p = leg[10];
-        g->platform[i].l_r = leg[11];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->subleg.l_4[i] = leg[6];
+        g->subleg.l_5[i] = leg[7];
+        g->subleg.l_6[i] = leg[8];
+        g->platform.platform_azimuth[i] = leg[9];
+        g->platform.R_p[i] = leg[10];
+        g->platform.l_r[i] = leg[11];
     }
     return krhpr_spatial_p_fivebar_a_prepare(g);
 }
@@ -124,7 +136,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -160,7 +172,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -209,7 +221,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward(
-            &g->subleg[i], theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
+            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -256,7 +268,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward_all(
-            &g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
+            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -293,7 +305,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg[i], s + 3 * i, theta + 12 * i, &radicand[i]);
+        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s + 3 * i, theta + 12 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -341,8 +353,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_jacobian(&g->subleg[i], d, u_1, u_2, M + 9 * i, &regularity[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_jacobian(&g->subleg, i, d, u_1, u_2, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -380,7 +392,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -430,9 +442,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians(
         double u_1[2];
         double u_2[2];
         double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -489,9 +501,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -542,8 +554,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_p_fivebar_inverse(&g->subleg[i], s, mode + 2 * i, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_p_fivebar_inverse(&g->subleg, i, s, mode + 2 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -591,8 +603,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg[i], s, theta + 12 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s, theta + 12 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -642,8 +654,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_p_fivebar_reach(&g->subleg[i], s, mode + 2 * i, &excess[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_p_fivebar_reach(&g->subleg, i, s, mode + 2 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -701,9 +713,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist(
         double u_2[2];
         double s_dot[3];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity(&g->subleg[i], d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity(&g->subleg, i, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -767,9 +779,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_a_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg[i], d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -833,15 +845,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_p_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
             &regularity[i]);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -912,14 +924,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_a_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_p_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg[i], d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -981,10 +993,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints(
         double u_2[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_passive(&g->subleg[i], d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_passive(&g->subleg, i, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
         krhpr_platform_spatial_a_joint(
-            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
+            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -1037,9 +1049,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_points(&g->subleg[i], d, u_1, u_2, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_points(&g->subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
     }
     return status;
 }
@@ -1090,10 +1102,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity(
         double u_1[2];
         double u_2[2];
         double N[6];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 3 * i);
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1140,7 +1152,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1187,7 +1199,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1324,9 +1336,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward(
-            &g->subleg[i], theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
+            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1457,7 +1469,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1546,8 +1558,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1618,8 +1630,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1697,8 +1709,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1778,8 +1790,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1878,8 +1890,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

@@ -13,29 +13,41 @@ static const double assembly_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_spatial_p_fivebar_b_prepare(krhpr_spatial_p_fivebar_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_5, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->subleg[i].l_4 > 0.0;
-        valid &= g->subleg[i].l_5 > 0.0;
-        valid &= g->subleg[i].l_6 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
+    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    g->subleg.l_5[KRHPR_PLACES - 1] = g->subleg.l_5[2];
+    valid &= krhpr_taint(g->subleg.l_5, KRHPR_PLACES) == 0.0;
+    g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
+    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_p_fivebar_prepare(&g->subleg, i);
+        krhpr_platform_spatial_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->subleg.l_4[i] > 0.0;
+        valid &= g->subleg.l_5[i] > 0.0;
+        valid &= g->subleg.l_6[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -45,18 +57,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_set_geometry(
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 12 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->subleg[i].l_4 = leg[6];
-        g->subleg[i].l_5 = leg[7];
-        g->subleg[i].l_6 = leg[8];
-        g->platform[i].platform_azimuth = leg[9];
-        g->platform[i].R_p = leg[10];
-        g->platform[i].l_r = leg[11];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->subleg.l_4[i] = leg[6];
+        g->subleg.l_5[i] = leg[7];
+        g->subleg.l_6[i] = leg[8];
+        g->platform.platform_azimuth[i] = leg[9];
+        g->platform.R_p[i] = leg[10];
+        g->platform.l_r[i] = leg[11];
     }
     return krhpr_spatial_p_fivebar_b_prepare(g);
 }
@@ -115,7 +127,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -148,7 +160,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_b_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -193,7 +205,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward(
-            &g->subleg[i], theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
+            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -240,7 +252,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward_all(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward_all(
-            &g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
+            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -277,7 +289,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg[i], s + 3 * i, theta + 12 * i, &radicand[i]);
+        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s + 3 * i, theta + 12 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -325,8 +337,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_jacobian(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_jacobian(&g->subleg[i], d, u_1, u_2, M + 9 * i, &regularity[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_jacobian(&g->subleg, i, d, u_1, u_2, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -364,7 +376,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_b_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -414,9 +426,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_jacobians(
         double u_1[2];
         double u_2[2];
         double K_block[6];
-        krhpr_platform_spatial_b_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -473,9 +485,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_jacobian_blocks(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_spatial_b_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -519,8 +531,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_inverse(&g->subleg[i], s, mode + 2 * i, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_p_fivebar_inverse(&g->subleg, i, s, mode + 2 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -561,8 +573,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse_all(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg[i], s, theta + 12 * i, &radicand[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s, theta + 12 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -605,8 +617,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_reach(&g->subleg[i], s, mode + 2 * i, &excess[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_p_fivebar_reach(&g->subleg, i, s, mode + 2 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -664,9 +676,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_twist(
         double u_2[2];
         double s_dot[3];
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity(&g->subleg[i], d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity(&g->subleg, i, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -730,9 +742,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_joint_rates(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_b_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg[i], d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -796,15 +808,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_p_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
             &regularity[i]);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_b_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_b_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -875,14 +887,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_joint_accelerations(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_b_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_p_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg[i], d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -944,9 +956,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_passive_joints(
         double u_2[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_passive(&g->subleg[i], d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_spatial_b_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_passive(&g->subleg, i, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_spatial_b_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
@@ -998,9 +1010,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_link_points(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_points(&g->subleg[i], d, u_1, u_2, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_b_attachment(&g->platform[i], Q, s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_points(&g->subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_b_attachment(&g->platform, i, Q, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -1051,10 +1063,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_singularity(
         double u_1[2];
         double u_2[2];
         double N[6];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 3 * i);
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1094,7 +1106,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1139,7 +1151,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1220,9 +1232,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward(
-            &g->subleg[i], theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
+            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1298,7 +1310,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1369,7 +1381,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1442,7 +1454,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1534,7 +1546,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

@@ -13,25 +13,35 @@ static const double assembly_default[3] = {1.0, 1.0, 1.0};
 KRHPR_API int krhpr_spatial_p_fivebar_c_prepare(krhpr_spatial_p_fivebar_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_5, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->subleg[i].l_4 > 0.0;
-        valid &= g->subleg[i].l_5 > 0.0;
-        valid &= g->subleg[i].l_6 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
+    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    g->subleg.l_5[KRHPR_PLACES - 1] = g->subleg.l_5[2];
+    valid &= krhpr_taint(g->subleg.l_5, KRHPR_PLACES) == 0.0;
+    g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
+    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_p_fivebar_prepare(&g->subleg, i);
+        krhpr_platform_spatial_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->subleg.l_4[i] > 0.0;
+        valid &= g->subleg.l_5[i] > 0.0;
+        valid &= g->subleg.l_6[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -41,16 +51,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_set_geometry(
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 10 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->subleg[i].l_4 = leg[6];
-        g->subleg[i].l_5 = leg[7];
-        g->subleg[i].l_6 = leg[8];
-        g->platform[i].platform_azimuth = leg[9];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->subleg.l_4[i] = leg[6];
+        g->subleg.l_5[i] = leg[7];
+        g->subleg.l_6[i] = leg[8];
+        g->platform.platform_azimuth[i] = leg[9];
     }
     return krhpr_spatial_p_fivebar_c_prepare(g);
 }
@@ -109,7 +119,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -142,7 +152,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -187,7 +197,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward(
-            &g->subleg[i], theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
+            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
@@ -234,7 +244,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward_all(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward_all(
-            &g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
+            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -271,7 +281,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg[i], s + 3 * i, theta + 12 * i, &radicand[i]);
+        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s + 3 * i, theta + 12 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -319,8 +329,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_jacobian(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_jacobian(&g->subleg[i], d, u_1, u_2, M + 9 * i, &regularity[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_jacobian(&g->subleg, i, d, u_1, u_2, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -358,7 +368,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -408,9 +418,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians(
         double u_1[2];
         double u_2[2];
         double K_block[6];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -467,9 +477,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobian_blocks(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg[i], d, u_1, u_2, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -513,8 +523,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_inverse(&g->subleg[i], s, mode + 2 * i, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_p_fivebar_inverse(&g->subleg, i, s, mode + 2 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -555,8 +565,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_all(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg[i], s, theta + 12 * i, &radicand[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s, theta + 12 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -599,8 +609,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_reach(&g->subleg[i], s, mode + 2 * i, &excess[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_p_fivebar_reach(&g->subleg, i, s, mode + 2 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -658,9 +668,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_twist(
         double u_2[2];
         double s_dot[3];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity(&g->subleg[i], d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity(&g->subleg, i, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -724,9 +734,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_joint_rates(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_c_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg[i], d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -790,15 +800,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_p_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
             &regularity[i]);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_velocity(
-            &g->subleg[i], d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -869,14 +879,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_joint_accelerations(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_c_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_p_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg[i], d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -938,9 +948,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_passive_joints(
         double u_2[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_passive(&g->subleg[i], d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_passive(&g->subleg, i, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
@@ -992,9 +1002,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_link_points(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_points(&g->subleg[i], d, u_1, u_2, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_c_attachment(&g->platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_points(&g->subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -1045,10 +1055,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_singularity(
         double u_1[2];
         double u_2[2];
         double N[6];
-        krhpr_subleg_p_fivebar_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 3 * i);
+        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 3 * i);
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1088,7 +1098,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1131,7 +1141,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1210,9 +1220,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_forward(
-            &g->subleg[i], theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
+            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1285,7 +1295,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1353,7 +1363,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1423,7 +1433,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1511,7 +1521,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

@@ -12,23 +12,32 @@ static const double mode_default[3] = {-1.0, -1.0, -1.0};
 KRHPR_API int krhpr_spatial_prr_b_prepare(krhpr_spatial_prr_b_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_b_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_prr_prepare(&g->subleg, i);
+        krhpr_platform_spatial_b_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -37,15 +46,15 @@ KRHPR_API int krhpr_spatial_prr_b_set_geometry(krhpr_spatial_prr_b_geometry *g, 
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 9 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->platform[i].platform_azimuth = leg[6];
-        g->platform[i].R_p = leg[7];
-        g->platform[i].l_r = leg[8];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->platform.platform_azimuth[i] = leg[6];
+        g->platform.R_p[i] = leg[7];
+        g->platform.l_r[i] = leg[8];
     }
     return krhpr_spatial_prr_b_prepare(g);
 }
@@ -103,7 +112,7 @@ KRHPR_API int krhpr_spatial_prr_b_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -135,7 +144,7 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_b_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -173,7 +182,7 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_forward(
     }
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_forward(&g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
+        krhpr_subleg_prr_forward(&g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
     }
     return status;
 }
@@ -203,7 +212,7 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_inverse_all(&g->subleg[i], s + 3 * i, theta + 6 * i, &radicand[i]);
+        krhpr_subleg_prr_inverse_all(&g->subleg, i, s + 3 * i, theta + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -247,8 +256,8 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double v_1[2];
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_jacobian(&g->subleg[i], d, v_1, M + 9 * i);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_jacobian(&g->subleg, i, d, v_1, M + 9 * i);
     }
     return status;
 }
@@ -279,7 +288,7 @@ KRHPR_API int krhpr_spatial_prr_b_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_b_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -326,9 +335,9 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians(
         double d[2];
         double v_1[2];
         double K_block[6];
-        krhpr_platform_spatial_b_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_project(&g->subleg[i], d, v_1, N, K_block);
+        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_project(&g->subleg, i, d, v_1, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -375,9 +384,9 @@ KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks(
         double N[6];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_b_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_project(&g->subleg[i], d, v_1, N, K + 6 * i);
+        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_project(&g->subleg, i, d, v_1, N, K + 6 * i);
     }
     return status;
 }
@@ -414,8 +423,8 @@ KRHPR_API int krhpr_spatial_prr_b_inverse(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_prr_inverse(&g->subleg[i], s, mode + i, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_prr_inverse(&g->subleg, i, s, mode + i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -455,8 +464,8 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_all(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_prr_inverse_all(&g->subleg[i], s, theta + 6 * i, &radicand[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_prr_inverse_all(&g->subleg, i, s, theta + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -498,8 +507,8 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_prr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_prr_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -554,9 +563,9 @@ KRHPR_API int krhpr_spatial_prr_b_twist(
         double v_1[2];
         double s_dot[3];
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_velocity(&g->subleg[i], d, v_1, theta_dot + 3 * i, s_dot);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_velocity(&g->subleg, i, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist, det_regularity);
@@ -613,9 +622,9 @@ KRHPR_API int krhpr_spatial_prr_b_joint_rates(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_b_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_rates(&g->subleg[i], d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_rates(&g->subleg, i, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -676,13 +685,13 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_prr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot, bias);
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_velocity(&g->subleg[i], d, v_1, theta_ddot + 3 * i, along);
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot, bias);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_velocity(&g->subleg, i, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_b_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_b_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -745,13 +754,13 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_b_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_prr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot_again, bias);
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_rates(&g->subleg[i], d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_rates(&g->subleg, i, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -802,9 +811,9 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints(
         double v_1[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_passive(&g->subleg[i], v_1, link);
-        krhpr_platform_spatial_b_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_passive(&g->subleg, i, v_1, link);
+        krhpr_platform_spatial_b_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     return status;
@@ -847,9 +856,9 @@ KRHPR_API int krhpr_spatial_prr_b_link_points(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double v_1[2];
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_points(&g->subleg[i], d, v_1, s + 3 * i, points + 15 * i);
-        krhpr_platform_spatial_b_attachment(&g->platform[i], Q, s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_points(&g->subleg, i, d, v_1, s + 3 * i, points + 15 * i);
+        krhpr_platform_spatial_b_attachment(&g->platform, i, Q, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -898,10 +907,10 @@ KRHPR_API int krhpr_spatial_prr_b_singularity(
         double d[2];
         double v_1[2];
         double N[6];
-        krhpr_subleg_prr_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + i);
+        krhpr_subleg_prr_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_determinant(&g->subleg, i, d, v_1, &type_1[i], factors + i);
         krhpr_platform_spatial_b_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -940,7 +949,7 @@ KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_b_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -984,7 +993,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1059,8 +1068,8 @@ KRHPR_API int krhpr_spatial_prr_b_forward(
     }
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_forward(&g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_subleg_prr_forward(&g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1130,7 +1139,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1200,7 +1209,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1272,7 +1281,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1363,7 +1372,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform[i], slide + 2 * i, &distance[i], &start[i]);
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

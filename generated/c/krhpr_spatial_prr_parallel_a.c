@@ -14,24 +14,34 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_spatial_prr_parallel_a_prepare(krhpr_spatial_prr_parallel_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].slide_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.slide_azimuth[KRHPR_PLACES - 1] = g->subleg.slide_azimuth[2];
+    valid &= krhpr_taint(g->subleg.slide_azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_prr_parallel_prepare(&g->subleg, i);
+        krhpr_platform_spatial_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -41,16 +51,16 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_set_geometry(
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 10 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].slide_azimuth = leg[4];
-        g->subleg[i].l_2 = leg[5];
-        g->subleg[i].l_3 = leg[6];
-        g->platform[i].platform_azimuth = leg[7];
-        g->platform[i].R_p = leg[8];
-        g->platform[i].l_r = leg[9];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.slide_azimuth[i] = leg[4];
+        g->subleg.l_2[i] = leg[5];
+        g->subleg.l_3[i] = leg[6];
+        g->platform.platform_azimuth[i] = leg[7];
+        g->platform.R_p[i] = leg[8];
+        g->platform.l_r[i] = leg[9];
     }
     return krhpr_spatial_prr_parallel_a_prepare(g);
 }
@@ -116,7 +126,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_end_points(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -152,7 +162,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_redundant_coordinates(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -196,7 +206,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_subleg_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_prr_parallel_forward(
-            &g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
+            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
     }
     return status;
 }
@@ -227,7 +237,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_inverse_all(&g->subleg[i], s + 3 * i, theta + 6 * i, &radicand[i]);
+        krhpr_subleg_prr_parallel_inverse_all(&g->subleg, i, s + 3 * i, theta + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -273,8 +283,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double v_1[2];
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_jacobian(&g->subleg[i], d, v_1, M + 9 * i);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_jacobian(&g->subleg, i, d, v_1, M + 9 * i);
     }
     return status;
 }
@@ -306,7 +316,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -354,9 +364,9 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_jacobians(
         double d[2];
         double v_1[2];
         double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_project(&g->subleg[i], d, v_1, N, K_block);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_project(&g->subleg, i, d, v_1, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -404,9 +414,9 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_jacobian_blocks(
         double N[6];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_project(&g->subleg[i], d, v_1, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_project(&g->subleg, i, d, v_1, N, K + 6 * i);
     }
     return status;
 }
@@ -451,8 +461,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_prr_parallel_inverse(&g->subleg[i], s, mode + i, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_prr_parallel_inverse(&g->subleg, i, s, mode + i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -500,8 +510,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse_all(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_prr_parallel_inverse_all(&g->subleg[i], s, theta + 6 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_prr_parallel_inverse_all(&g->subleg, i, s, theta + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -551,8 +561,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse_status(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_prr_parallel_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_prr_parallel_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -608,9 +618,9 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_twist(
         double v_1[2];
         double s_dot[3];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_velocity(&g->subleg[i], d, v_1, theta_dot + 3 * i, s_dot);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_velocity(&g->subleg, i, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -668,9 +678,9 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_joint_rates(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_a_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_rates(&g->subleg[i], d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_rates(&g->subleg, i, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -732,13 +742,13 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_prr_parallel_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot, bias);
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_velocity(&g->subleg[i], d, v_1, theta_ddot + 3 * i, along);
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot, bias);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_velocity(&g->subleg, i, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -802,13 +812,13 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_joint_accelerations(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_a_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_prr_parallel_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot_again, bias);
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_rates(&g->subleg[i], d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_rates(&g->subleg, i, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -863,10 +873,10 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_passive_joints(
         double v_1[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_passive(&g->subleg[i], v_1, link);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_passive(&g->subleg, i, v_1, link);
         krhpr_platform_spatial_a_joint(
-            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -914,9 +924,9 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_link_points(
     for (int i = 0; i < 3; ++i) {
         double d[2];
         double v_1[2];
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_points(&g->subleg[i], d, v_1, s + 3 * i, points + 15 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_points(&g->subleg, i, d, v_1, s + 3 * i, points + 15 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
     }
     return status;
 }
@@ -966,10 +976,10 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_singularity(
         double d[2];
         double v_1[2];
         double N[6];
-        krhpr_subleg_prr_parallel_posture(&g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + i);
+        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_parallel_determinant(&g->subleg, i, d, v_1, &type_1[i], factors + i);
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1016,7 +1026,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1063,7 +1073,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1196,8 +1206,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward(
     krhpr_sincos_array(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_prr_parallel_forward(
-            &g->subleg[i], theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1322,7 +1332,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_newton(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1411,8 +1421,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_1(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1483,8 +1493,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1562,8 +1572,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1643,8 +1653,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1743,8 +1753,8 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

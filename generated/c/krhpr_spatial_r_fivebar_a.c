@@ -15,29 +15,41 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_spatial_r_fivebar_a_prepare(krhpr_spatial_r_fivebar_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_r_fivebar_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_4, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_5, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_6, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->subleg[i].l_4 > 0.0;
-        valid &= g->subleg[i].l_5 > 0.0;
-        valid &= g->subleg[i].l_6 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
+    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    g->subleg.l_5[KRHPR_PLACES - 1] = g->subleg.l_5[2];
+    valid &= krhpr_taint(g->subleg.l_5, KRHPR_PLACES) == 0.0;
+    g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
+    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_r_fivebar_prepare(&g->subleg, i);
+        krhpr_platform_spatial_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->subleg.l_4[i] > 0.0;
+        valid &= g->subleg.l_5[i] > 0.0;
+        valid &= g->subleg.l_6[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -47,18 +59,18 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_set_geometry(
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 12 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->subleg[i].l_4 = leg[6];
-        g->subleg[i].l_5 = leg[7];
-        g->subleg[i].l_6 = leg[8];
-        g->platform[i].platform_azimuth = leg[9];
-        g->platform[i].R_p = leg[10];
-        g->platform[i].l_r = leg[11];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->subleg.l_4[i] = leg[6];
+        g->subleg.l_5[i] = leg[7];
+        g->subleg.l_6[i] = leg[8];
+        g->platform.platform_azimuth[i] = leg[9];
+        g->platform.R_p[i] = leg[10];
+        g->platform.l_r[i] = leg[11];
     }
     return krhpr_spatial_r_fivebar_a_prepare(g);
 }
@@ -124,7 +136,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_end_points(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -160,7 +172,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_redundant_coordinates(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -209,7 +221,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_forward(
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward(
-            &g->subleg[i], assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
+            &g->subleg, i, assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -255,7 +267,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_forward_all(
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_all(
-            &g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
+            &g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -296,7 +308,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_inverse(
     double tail[KRHPR_PADDED(42)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_inverse_all(
-            &g->subleg[i], s + 3 * i, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
+            &g->subleg, i, s + 3 * i, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
     }
     krhpr_atan2_array(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -374,8 +386,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_subleg_jacobian(
         double u_1[2];
         double u_2[2];
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_jacobian(&g->subleg[i], x, e_2, d, u_1, u_2, M + 9 * i, &regularity[i]);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_jacobian(&g->subleg, i, x, e_2, d, u_1, u_2, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -413,7 +425,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -465,10 +477,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_jacobians(
         double u_1[2];
         double u_2[2];
         double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K_block, &regularity[i]);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_project(&g->subleg, i, x, e_2, d, u_1, u_2, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -527,10 +539,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_jacobian_blocks(
         double d[2];
         double u_1[2];
         double u_2[2];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_project(&g->subleg[i], x, e_2, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_project(&g->subleg, i, x, e_2, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -584,9 +596,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_inverse(
     double tail[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_r_fivebar_inverse(
-            &g->subleg[i], s, mode + 3 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+            &g->subleg, i, s, mode + 3 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -643,8 +655,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_all(
     double tail[KRHPR_PADDED(42)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_r_fivebar_inverse_all(&g->subleg[i], s, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_r_fivebar_inverse_all(&g->subleg, i, s, &radicand[i], tail_y + 14 * i, tail_x + 14 * i);
     }
     krhpr_atan2_array(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -721,8 +733,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_inverse_status(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_r_fivebar_reach(&g->subleg[i], s, mode + 3 * i, &excess[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_r_fivebar_reach(&g->subleg, i, s, mode + 3 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -782,11 +794,11 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_twist(
         double u_2[2];
         double s_dot[3];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_velocity(
-            &g->subleg[i], x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->subleg, i, x, e_2, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -852,11 +864,11 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_joint_rates(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_a_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_rates(
-            &g->subleg[i], x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->subleg, i, x, e_2, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -922,16 +934,16 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_r_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
             &regularity[i]);
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_velocity(
-            &g->subleg[i], x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, x, e_2, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -1004,16 +1016,16 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_joint_accelerations(
         double u_1[2];
         double u_2[2];
         krhpr_platform_spatial_a_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_r_fivebar_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_rates(
-            &g->subleg[i], x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+            &g->subleg, i, x, e_2, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -1078,11 +1090,11 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_passive_joints(
         double link[9];
         double redundant_link[9];
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_passive(
-            &g->subleg[i], x, e_2, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
+            &g->subleg, i, x, e_2, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
         krhpr_platform_spatial_a_joint(
-            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
+            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -1138,9 +1150,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_link_points(
         double u_1[2];
         double u_2[2];
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_points(&g->subleg[i], x, d, u_1, u_2, s + 3 * i, points + 18 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_points(&g->subleg, i, x, d, u_1, u_2, s + 3 * i, points + 18 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
     }
     return status;
 }
@@ -1194,10 +1206,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_singularity(
         double u_2[2];
         double N[6];
         krhpr_subleg_r_fivebar_posture(
-            &g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
-        krhpr_subleg_r_fivebar_determinant(&g->subleg[i], d, u_1, u_2, &type_1[i], factors + 4 * i);
+            &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
+        krhpr_subleg_r_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1244,7 +1256,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1291,7 +1303,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1428,8 +1440,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward(
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward(
-            &g->subleg[i], assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+            &g->subleg, i, assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1560,7 +1572,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_newton(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1649,8 +1661,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_1(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1721,8 +1733,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1800,8 +1812,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_encoders_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1881,8 +1893,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1981,8 +1993,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

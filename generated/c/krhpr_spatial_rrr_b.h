@@ -27,10 +27,10 @@
 extern "C" {
 #endif
 
-/* Lengths and angles of the three legs, with what is computed from them once. */
+/* Lengths and angles of the three legs, with what is computed from them once.  Members are arrays over the legs. */
 typedef struct {
-    krhpr_subleg_rrr_geometry subleg[3];
-    krhpr_platform_spatial_b_geometry platform[3];
+    krhpr_subleg_rrr_geometry subleg;
+    krhpr_platform_spatial_b_geometry platform;
 } krhpr_spatial_rrr_b_geometry;
 
 /* Computes what depends on the geometry alone; call it after you change a field.

@@ -12,19 +12,26 @@ static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 KRHPR_API int krhpr_spatial_rrr_c_prepare(krhpr_spatial_rrr_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_rrr_prepare(&g->subleg, i);
+        krhpr_platform_spatial_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -33,13 +40,13 @@ KRHPR_API int krhpr_spatial_rrr_c_set_geometry(krhpr_spatial_rrr_c_geometry *g, 
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->platform[i].platform_azimuth = leg[6];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->platform.platform_azimuth[i] = leg[6];
     }
     return krhpr_spatial_rrr_c_prepare(g);
 }
@@ -97,7 +104,7 @@ KRHPR_API int krhpr_spatial_rrr_c_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -129,7 +136,7 @@ KRHPR_API int krhpr_spatial_rrr_c_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -167,7 +174,7 @@ KRHPR_API int krhpr_spatial_rrr_c_subleg_forward(
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 3 * i);
+        krhpr_subleg_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 3 * i);
     }
     return status;
 }
@@ -200,7 +207,7 @@ KRHPR_API int krhpr_spatial_rrr_c_subleg_inverse(
     double tail_x[KRHPR_PADDED(24)] = {0.0};
     double tail[KRHPR_PADDED(24)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_inverse_all(&g->subleg[i], s + 3 * i, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
+        krhpr_subleg_rrr_inverse_all(&g->subleg, i, s + 3 * i, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
     }
     krhpr_atan2_array(24, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -261,8 +268,8 @@ KRHPR_API int krhpr_spatial_rrr_c_subleg_jacobian(
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_jacobian(&g->subleg[i], x, e_2, d, v_1, M + 9 * i);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_jacobian(&g->subleg, i, x, e_2, d, v_1, M + 9 * i);
     }
     return status;
 }
@@ -293,7 +300,7 @@ KRHPR_API int krhpr_spatial_rrr_c_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -342,9 +349,9 @@ KRHPR_API int krhpr_spatial_rrr_c_jacobians(
         double d[2];
         double v_1[2];
         double K_block[6];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K_block);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_project(&g->subleg, i, x, e_2, d, v_1, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -393,9 +400,9 @@ KRHPR_API int krhpr_spatial_rrr_c_jacobian_blocks(
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_project(&g->subleg[i], x, e_2, d, v_1, N, K + 6 * i);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_project(&g->subleg, i, x, e_2, d, v_1, N, K + 6 * i);
     }
     return status;
 }
@@ -435,9 +442,9 @@ KRHPR_API int krhpr_spatial_rrr_c_inverse(
     double tail[KRHPR_PADDED(9)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_rrr_inverse(
-            &g->subleg[i], s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
+            &g->subleg, i, s, mode + 2 * i, &radicand[i], tail_y + 3 * i, tail_x + 3 * i);
     }
     krhpr_atan2_array(9, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -486,8 +493,8 @@ KRHPR_API int krhpr_spatial_rrr_c_inverse_all(
     double tail[KRHPR_PADDED(24)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrr_inverse_all(&g->subleg[i], s, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_rrr_inverse_all(&g->subleg, i, s, &radicand[i], tail_y + 8 * i, tail_x + 8 * i);
     }
     krhpr_atan2_array(24, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -544,8 +551,8 @@ KRHPR_API int krhpr_spatial_rrr_c_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrr_reach(&g->subleg[i], s, mode + 2 * i, &excess[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_rrr_reach(&g->subleg, i, s, mode + 2 * i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -602,9 +609,9 @@ KRHPR_API int krhpr_spatial_rrr_c_twist(
         double v_1[2];
         double s_dot[3];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_velocity(&g->subleg, i, x, e_2, d, v_1, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -663,9 +670,9 @@ KRHPR_API int krhpr_spatial_rrr_c_joint_rates(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_c_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg, i, x, e_2, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -728,13 +735,13 @@ KRHPR_API int krhpr_spatial_rrr_c_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_velocity(&g->subleg[i], x, e_2, d, v_1, theta_ddot + 3 * i, along);
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_velocity(&g->subleg, i, x, e_2, d, v_1, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -799,13 +806,13 @@ KRHPR_API int krhpr_spatial_rrr_c_joint_accelerations(
         double d[2];
         double v_1[2];
         krhpr_platform_spatial_c_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_rrr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
+            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_rates(&g->subleg[i], x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_rates(&g->subleg, i, x, e_2, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -858,9 +865,9 @@ KRHPR_API int krhpr_spatial_rrr_c_passive_joints(
         double v_1[2];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_passive(&g->subleg[i], x, e_2, v_1, link);
-        krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_passive(&g->subleg, i, x, e_2, v_1, link);
+        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     return status;
@@ -905,9 +912,9 @@ KRHPR_API int krhpr_spatial_rrr_c_link_points(
         double e_2[3];
         double d[2];
         double v_1[2];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_points(&g->subleg[i], x, d, v_1, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_c_attachment(&g->platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_points(&g->subleg, i, x, d, v_1, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -958,10 +965,10 @@ KRHPR_API int krhpr_spatial_rrr_c_singularity(
         double d[2];
         double v_1[2];
         double N[6];
-        krhpr_subleg_rrr_posture(&g->subleg[i], s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
-        krhpr_subleg_rrr_determinant(&g->subleg[i], d, v_1, &type_1[i], factors + 2 * i);
+        krhpr_subleg_rrr_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_determinant(&g->subleg, i, d, v_1, &type_1[i], factors + 2 * i);
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1000,7 +1007,7 @@ KRHPR_API int krhpr_spatial_rrr_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1042,7 +1049,7 @@ KRHPR_API int krhpr_spatial_rrr_c_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1115,8 +1122,8 @@ KRHPR_API int krhpr_spatial_rrr_c_forward(
     }
     krhpr_sincos_array(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrr_forward(&g->subleg[i], sine + 3 * i, cosine + 3 * i, s + 3 * i);
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 3 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1183,7 +1190,7 @@ KRHPR_API int krhpr_spatial_rrr_c_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1250,7 +1257,7 @@ KRHPR_API int krhpr_spatial_rrr_c_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1319,7 +1326,7 @@ KRHPR_API int krhpr_spatial_rrr_c_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1406,7 +1413,7 @@ KRHPR_API int krhpr_spatial_rrr_c_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

@@ -15,23 +15,32 @@ static const double swivel_default[3] = {0.0};
 KRHPR_API int krhpr_spatial_rrrr_a_prepare(krhpr_spatial_rrrr_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_rrrr_prepare(&g->subleg, i);
+        krhpr_platform_spatial_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -40,15 +49,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_set_geometry(krhpr_spatial_rrrr_a_geometry *g
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 9 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->platform[i].platform_azimuth = leg[6];
-        g->platform[i].R_p = leg[7];
-        g->platform[i].l_r = leg[8];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->platform.platform_azimuth[i] = leg[6];
+        g->platform.R_p[i] = leg[7];
+        g->platform.l_r[i] = leg[8];
     }
     return krhpr_spatial_rrrr_a_prepare(g);
 }
@@ -114,7 +123,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_end_points(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -150,7 +159,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_redundant_coordinates(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -193,7 +202,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_forward(
     }
     krhpr_sincos_array(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg[i], sine + 4 * i, cosine + 4 * i, s + 3 * i);
+        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
     }
     return status;
 }
@@ -239,7 +248,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_inverse(
     double tail[KRHPR_PADDED(30)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_inverse_all(
-            &g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i,
+            &g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i,
             tail_x + 10 * i);
     }
     krhpr_atan2_array(30, tail_y, tail_x, tail);
@@ -312,8 +321,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_swivel(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_swivel(&g->subleg[i], d, v, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_swivel(&g->subleg, i, d, v, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -361,8 +370,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_jacobian(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_jacobian(&g->subleg[i], x, e_2, d, v, e_4, M + 12 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_jacobian(&g->subleg, i, x, e_2, d, v, e_4, M + 12 * i);
     }
     return status;
 }
@@ -394,7 +403,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -445,9 +454,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians(
         double v[3];
         double e_4[3];
         double K_block[8];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg[i], x, e_2, d, v, e_4, N, K_block);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K_block);
         for (int k = 0; k < 4; ++k) {
             K[28 * i + 0 + k] = K_block[0 + k];
             K[28 * i + 12 + k] = K_block[4 + k];
@@ -498,9 +507,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobian_blocks(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg[i], x, e_2, d, v, e_4, N, K + 8 * i);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
     }
     return status;
 }
@@ -553,9 +562,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse(
     double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_rrrr_inverse(
-            &g->subleg[i], s, mode + 2 * i, sine + 3 + 1 * i, cosine + 3 + 1 * i, &radicand[i],
+            &g->subleg, i, s, mode + 2 * i, sine + 3 + 1 * i, cosine + 3 + 1 * i, &radicand[i],
             tail_y + 4 * i, tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -619,9 +628,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all(
     double tail[KRHPR_PADDED(30)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_rrrr_inverse_all(
-            &g->subleg[i], s, sine + 3 + 1 * i, cosine + 3 + 1 * i, &radicand[i], tail_y + 10 * i,
+            &g->subleg, i, s, sine + 3 + 1 * i, cosine + 3 + 1 * i, &radicand[i], tail_y + 10 * i,
             tail_x + 10 * i);
     }
     krhpr_atan2_array(30, tail_y, tail_x, tail);
@@ -695,8 +704,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_status(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_rrrr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_rrrr_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -756,9 +765,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_twist(
         double e_4[3];
         double s_dot[3];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg[i], x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -819,10 +828,10 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_rates(
         double v[3];
         double e_4[3];
         krhpr_platform_spatial_a_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_rates(
-            &g->subleg[i], x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
+            &g->subleg, i, x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -889,14 +898,14 @@ KRHPR_API int krhpr_spatial_rrrr_a_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrrr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
             &swivel_bias);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg[i], x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -966,16 +975,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_accelerations(
         double v[3];
         double e_4[3];
         krhpr_platform_spatial_a_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_rrrr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
             &swivel_bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
         krhpr_subleg_rrrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_rates(
-            &g->subleg[i], x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
+            &g->subleg, i, x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -1033,10 +1042,10 @@ KRHPR_API int krhpr_spatial_rrrr_a_passive_joints(
         double e_4[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_passive(&g->subleg[i], x, e_2, v, e_4, link);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_passive(&g->subleg, i, x, e_2, v, e_4, link);
         krhpr_platform_spatial_a_joint(
-            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
+            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
@@ -1087,9 +1096,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_link_points(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_points(&g->subleg[i], x, e_2, v, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_points(&g->subleg, i, x, e_2, v, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
     }
     return status;
 }
@@ -1142,10 +1151,10 @@ KRHPR_API int krhpr_spatial_rrrr_a_singularity(
         double v[3];
         double e_4[3];
         double N[6];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_determinant(&g->subleg[i], d, v, e_4, &type_1[i], factors + 4 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_determinant(&g->subleg, i, d, v, e_4, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1192,7 +1201,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1239,7 +1248,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1371,8 +1380,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward(
     }
     krhpr_sincos_array(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg[i], sine + 4 * i, cosine + 4 * i, s + 3 * i);
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1497,7 +1506,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_newton(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1586,8 +1595,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_1(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1658,8 +1667,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1737,8 +1746,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1818,8 +1827,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1918,8 +1927,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

@@ -13,19 +13,26 @@ static const double swivel_default[3] = {0.0};
 KRHPR_API int krhpr_spatial_rrrr_c_prepare(krhpr_spatial_rrrr_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_rrrr_prepare(&g->subleg, i);
+        krhpr_platform_spatial_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -34,13 +41,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_set_geometry(krhpr_spatial_rrrr_c_geometry *g
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->platform[i].platform_azimuth = leg[6];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->platform.platform_azimuth[i] = leg[6];
     }
     return krhpr_spatial_rrrr_c_prepare(g);
 }
@@ -99,7 +106,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -132,7 +139,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -171,7 +178,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward(
     }
     krhpr_sincos_array(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg[i], sine + 4 * i, cosine + 4 * i, s + 3 * i);
+        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
     }
     return status;
 }
@@ -217,7 +224,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse(
     double tail[KRHPR_PADDED(30)];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_inverse_all(
-            &g->subleg[i], s + 3 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i,
+            &g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i,
             tail_x + 10 * i);
     }
     krhpr_atan2_array(30, tail_y, tail_x, tail);
@@ -290,8 +297,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_swivel(&g->subleg[i], d, v, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_swivel(&g->subleg, i, d, v, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -339,8 +346,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_jacobian(&g->subleg[i], x, e_2, d, v, e_4, M + 12 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_jacobian(&g->subleg, i, x, e_2, d, v, e_4, M + 12 * i);
     }
     return status;
 }
@@ -372,7 +379,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -423,9 +430,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians(
         double v[3];
         double e_4[3];
         double K_block[8];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg[i], x, e_2, d, v, e_4, N, K_block);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K_block);
         for (int k = 0; k < 4; ++k) {
             K[28 * i + 0 + k] = K_block[0 + k];
             K[28 * i + 12 + k] = K_block[4 + k];
@@ -476,9 +483,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg[i], x, e_2, d, v, e_4, N, K + 8 * i);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
     }
     return status;
 }
@@ -530,9 +537,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse(
     double tail[KRHPR_PADDED(12)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_rrrr_inverse(
-            &g->subleg[i], s, mode + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 4 * i,
+            &g->subleg, i, s, mode + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 4 * i,
             tail_x + 4 * i);
     }
     krhpr_atan2_array(12, tail_y, tail_x, tail);
@@ -595,9 +602,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all(
     double tail[KRHPR_PADDED(30)];
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_rrrr_inverse_all(
-            &g->subleg[i], s, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i, tail_x + 10 * i);
+            &g->subleg, i, s, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i, tail_x + 10 * i);
     }
     krhpr_atan2_array(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -663,8 +670,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_rrrr_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_rrrr_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -724,9 +731,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist(
         double e_4[3];
         double s_dot[3];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg[i], x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -787,10 +794,10 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates(
         double v[3];
         double e_4[3];
         krhpr_platform_spatial_c_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_rates(
-            &g->subleg[i], x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
+            &g->subleg, i, x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -857,14 +864,14 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrrr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
             &swivel_bias);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg[i], x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -934,16 +941,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations(
         double v[3];
         double e_4[3];
         krhpr_platform_spatial_c_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_rrrr_bias(
-            &g->subleg[i], s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
             &swivel_bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
         krhpr_subleg_rrrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_rates(
-            &g->subleg[i], x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
+            &g->subleg, i, x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -998,9 +1005,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints(
         double e_4[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_passive(&g->subleg[i], x, e_2, v, e_4, link);
-        krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_passive(&g->subleg, i, x, e_2, v, e_4, link);
+        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     return status;
@@ -1047,9 +1054,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points(
         double d[3];
         double v[3];
         double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_points(&g->subleg[i], x, e_2, v, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_c_attachment(&g->platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_points(&g->subleg, i, x, e_2, v, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -1102,10 +1109,10 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity(
         double v[3];
         double e_4[3];
         double N[6];
-        krhpr_subleg_rrrr_posture(&g->subleg[i], s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_determinant(&g->subleg[i], d, v, e_4, &type_1[i], factors + 4 * i);
+        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_determinant(&g->subleg, i, d, v, e_4, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1145,7 +1152,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1188,7 +1195,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1262,8 +1269,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
     }
     krhpr_sincos_array(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg[i], sine + 4 * i, cosine + 4 * i, s + 3 * i);
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1331,7 +1338,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1399,7 +1406,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1469,7 +1476,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1557,7 +1564,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

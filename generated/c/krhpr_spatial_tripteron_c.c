@@ -11,19 +11,26 @@
 KRHPR_API int krhpr_spatial_tripteron_c_prepare(krhpr_spatial_tripteron_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].l_2 > 0.0;
-        valid &= g->subleg[i].l_3 > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
+    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
+    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_tripteron_prepare(&g->subleg, i);
+        krhpr_platform_spatial_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.l_2[i] > 0.0;
+        valid &= g->subleg.l_3[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -33,13 +40,13 @@ KRHPR_API int krhpr_spatial_tripteron_c_set_geometry(
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 7 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].l_2 = leg[4];
-        g->subleg[i].l_3 = leg[5];
-        g->platform[i].platform_azimuth = leg[6];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.l_2[i] = leg[4];
+        g->subleg.l_3[i] = leg[5];
+        g->platform.platform_azimuth[i] = leg[6];
     }
     return krhpr_spatial_tripteron_c_prepare(g);
 }
@@ -98,7 +105,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -131,7 +138,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -164,7 +171,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg[i], theta + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_subleg_tripteron_forward(&g->subleg, i, theta + 3 * i, s + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -201,7 +208,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_inverse_all(&g->subleg[i], s + 3 * i, theta + 3 * i, &radicand[i]);
+        krhpr_subleg_tripteron_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -239,8 +246,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_jacobian(
     }
     for (int i = 0; i < 3; ++i) {
         double rho[3];
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_jacobian(&g->subleg[i], M + 9 * i);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_jacobian(&g->subleg, i, M + 9 * i);
     }
     return status;
 }
@@ -272,7 +279,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -312,9 +319,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_jacobians(
         double N[6];
         double rho[3];
         double K_block[6];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_project(&g->subleg[i], N, K_block);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_project(&g->subleg, i, N, K_block);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -354,9 +361,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_jacobian_blocks(
     for (int i = 0; i < 3; ++i) {
         double N[6];
         double rho[3];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_project(&g->subleg[i], N, K + 6 * i);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_project(&g->subleg, i, N, K + 6 * i);
     }
     return status;
 }
@@ -391,8 +398,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_tripteron_inverse(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_tripteron_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -433,8 +440,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse_all(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_tripteron_inverse_all(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_tripteron_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -474,8 +481,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_tripteron_reach(&g->subleg[i], s, &excess[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_tripteron_reach(&g->subleg, i, s, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -523,9 +530,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_twist(
         double rho[3];
         double s_dot[3];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_velocity(&g->subleg[i], theta_dot + 3 * i, s_dot);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_velocity(&g->subleg, i, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -574,9 +581,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_joint_rates(
         double s_dot[3];
         double rho[3];
         krhpr_platform_spatial_c_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_rates(&g->subleg[i], s_dot, theta_dot + 3 * i);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_rates(&g->subleg, i, s_dot, theta_dot + 3 * i);
     }
     return status;
 }
@@ -624,12 +631,12 @@ KRHPR_API int krhpr_spatial_tripteron_c_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_bias(&g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_velocity(&g->subleg[i], theta_ddot + 3 * i, along);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_tripteron_bias(&g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_velocity(&g->subleg, i, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -684,13 +691,13 @@ KRHPR_API int krhpr_spatial_tripteron_c_joint_accelerations(
         double along[3];
         double rho[3];
         krhpr_platform_spatial_c_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_tripteron_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_rates(&g->subleg[i], along, theta_ddot + 3 * i);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_rates(&g->subleg, i, along, theta_ddot + 3 * i);
     }
     return status;
 }
@@ -735,10 +742,10 @@ KRHPR_API int krhpr_spatial_tripteron_c_passive_joints(
         double rho[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
         krhpr_subleg_tripteron_passive(
-            &g->subleg[i], rho, link, &radicand[i], &regularity[i], tail_y + 6 * i, tail_x + 6 * i);
-        krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+            &g->subleg, i, rho, link, &radicand[i], &regularity[i], tail_y + 6 * i, tail_x + 6 * i);
+        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -800,10 +807,10 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points(
     }
     for (int i = 0; i < 3; ++i) {
         double rho[3];
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
         krhpr_subleg_tripteron_points(
-            &g->subleg[i], rho, s + 3 * i, points + 24 * i, &radicand[i], &regularity[i]);
-        krhpr_platform_spatial_c_attachment(&g->platform[i], s + 3 * i, attachment + 3 * i);
+            &g->subleg, i, rho, s + 3 * i, points + 24 * i, &radicand[i], &regularity[i]);
+        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -857,10 +864,10 @@ KRHPR_API int krhpr_spatial_tripteron_c_singularity(
     for (int i = 0; i < 3; ++i) {
         double rho[3];
         double N[6];
-        krhpr_subleg_tripteron_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_determinant(&g->subleg[i], rho, &type_1[i], factors + 3 * i);
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_determinant(&g->subleg, i, rho, &type_1[i], factors + 3 * i);
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -900,7 +907,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -943,7 +950,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1011,8 +1018,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg[i], theta + 3 * i, s + 3 * i, &radicand[i]);
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_tripteron_forward(&g->subleg, i, theta + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1085,7 +1092,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1153,7 +1160,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1223,7 +1230,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1311,7 +1318,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

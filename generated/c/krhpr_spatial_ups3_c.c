@@ -11,20 +11,29 @@
 KRHPR_API int krhpr_spatial_ups3_c_prepare(krhpr_spatial_ups3_c_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_ups3_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_c_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].r_g, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].a_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].a_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].a_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].r_g > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.r_g[KRHPR_PLACES - 1] = g->subleg.r_g[2];
+    valid &= krhpr_taint(g->subleg.r_g, KRHPR_PLACES) == 0.0;
+    g->subleg.a_1[KRHPR_PLACES - 1] = g->subleg.a_1[2];
+    valid &= krhpr_taint(g->subleg.a_1, KRHPR_PLACES) == 0.0;
+    g->subleg.a_2[KRHPR_PLACES - 1] = g->subleg.a_2[2];
+    valid &= krhpr_taint(g->subleg.a_2, KRHPR_PLACES) == 0.0;
+    g->subleg.a_3[KRHPR_PLACES - 1] = g->subleg.a_3[2];
+    valid &= krhpr_taint(g->subleg.a_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_ups3_prepare(&g->subleg, i);
+        krhpr_platform_spatial_c_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.r_g[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -33,15 +42,15 @@ KRHPR_API int krhpr_spatial_ups3_c_set_geometry(krhpr_spatial_ups3_c_geometry *g
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 9 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].r_g = leg[4];
-        g->subleg[i].a_1 = leg[5];
-        g->subleg[i].a_2 = leg[6];
-        g->subleg[i].a_3 = leg[7];
-        g->platform[i].platform_azimuth = leg[8];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.r_g[i] = leg[4];
+        g->subleg.a_1[i] = leg[5];
+        g->subleg.a_2[i] = leg[6];
+        g->subleg.a_3[i] = leg[7];
+        g->platform.platform_azimuth[i] = leg[8];
     }
     return krhpr_spatial_ups3_c_prepare(g);
 }
@@ -100,7 +109,7 @@ KRHPR_API int krhpr_spatial_ups3_c_end_points(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s + 3 * i);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
     return status;
 }
@@ -133,7 +142,7 @@ KRHPR_API int krhpr_spatial_ups3_c_redundant_coordinates(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform[i], p, Q, s + 3 * i, &redundant[i]);
+        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
     return status;
 }
@@ -167,7 +176,7 @@ KRHPR_API int krhpr_spatial_ups3_c_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_ups3_forward(&g->subleg[i], theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_subleg_ups3_forward(&g->subleg, i, theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -205,7 +214,7 @@ KRHPR_API int krhpr_spatial_ups3_c_subleg_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_ups3_forward_all(&g->subleg[i], theta + 3 * i, s + 6 * i, &radicand[i]);
+        krhpr_subleg_ups3_forward_all(&g->subleg, i, theta + 3 * i, s + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -242,7 +251,7 @@ KRHPR_API int krhpr_spatial_ups3_c_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_ups3_inverse_all(&g->subleg[i], s + 3 * i, theta + 3 * i, &radicand[i]);
+        krhpr_subleg_ups3_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -282,8 +291,8 @@ KRHPR_API int krhpr_spatial_ups3_c_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double w[9];
         double b[3];
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_jacobian(&g->subleg[i], w, b, M + 9 * i, &regularity[i]);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_jacobian(&g->subleg, i, w, b, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -321,7 +330,7 @@ KRHPR_API int krhpr_spatial_ups3_c_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -363,9 +372,9 @@ KRHPR_API int krhpr_spatial_ups3_c_jacobians(
         double w[9];
         double b[3];
         double K_block[6];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -414,9 +423,9 @@ KRHPR_API int krhpr_spatial_ups3_c_jacobian_blocks(
         double N[6];
         double w[9];
         double b[3];
-        krhpr_platform_spatial_c_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_project(&g->subleg[i], w, b, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_project(&g->subleg, i, w, b, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -457,8 +466,8 @@ KRHPR_API int krhpr_spatial_ups3_c_inverse(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_ups3_inverse(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_ups3_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -499,8 +508,8 @@ KRHPR_API int krhpr_spatial_ups3_c_inverse_all(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_ups3_inverse_all(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_ups3_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -540,8 +549,8 @@ KRHPR_API int krhpr_spatial_ups3_c_inverse_status(
     }
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform[i], p, Q, redundant[i], s);
-        krhpr_subleg_ups3_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
+        krhpr_subleg_ups3_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -591,9 +600,9 @@ KRHPR_API int krhpr_spatial_ups3_c_twist(
         double b[3];
         double s_dot[3];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_velocity(&g->subleg[i], w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_velocity(&g->subleg, i, w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
@@ -649,9 +658,9 @@ KRHPR_API int krhpr_spatial_ups3_c_joint_rates(
         double w[9];
         double b[3];
         krhpr_platform_spatial_c_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_rates(&g->subleg[i], w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_rates(&g->subleg, i, w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -707,13 +716,13 @@ KRHPR_API int krhpr_spatial_ups3_c_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_ups3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_velocity(&g->subleg[i], w, b, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_velocity(&g->subleg, i, w, b, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -776,14 +785,14 @@ KRHPR_API int krhpr_spatial_ups3_c_joint_accelerations(
         double w[9];
         double b[3];
         krhpr_platform_spatial_c_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_ups3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_rates(&g->subleg[i], w, b, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_rates(&g->subleg, i, w, b, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -837,9 +846,9 @@ KRHPR_API int krhpr_spatial_ups3_c_passive_joints(
         double b[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_passive(&g->subleg[i], w, link, tail_y + 6 * i, tail_x + 6 * i);
-        krhpr_platform_spatial_c_joint(&g->platform[i], p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_passive(&g->subleg, i, w, link, tail_y + 6 * i, tail_x + 6 * i);
+        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(18, tail_y, tail_x, tail);
@@ -886,9 +895,9 @@ KRHPR_API int krhpr_spatial_ups3_c_link_points(
     for (int i = 0; i < 3; ++i) {
         double w[9];
         double b[3];
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_points(&g->subleg[i], s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_c_attachment(&g->platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_points(&g->subleg, i, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
     }
     return status;
 }
@@ -931,10 +940,10 @@ KRHPR_API int krhpr_spatial_ups3_c_singularity(
         double w[9];
         double b[3];
         double N[6];
-        krhpr_subleg_ups3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_determinant(&g->subleg[i], w, b, &type_1[i], factors + 4 * i);
+        krhpr_subleg_ups3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_determinant(&g->subleg, i, w, b, &type_1[i], factors + 4 * i);
         krhpr_platform_spatial_c_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -974,7 +983,7 @@ KRHPR_API int krhpr_spatial_ups3_c_type_2_of_redundant(
     }
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform[i], redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1017,7 +1026,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1085,8 +1094,8 @@ KRHPR_API int krhpr_spatial_ups3_c_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_ups3_forward(&g->subleg[i], theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_subleg_ups3_forward(&g->subleg, i, theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1159,7 +1168,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1227,7 +1236,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_encoders_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1297,7 +1306,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_2(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1385,7 +1394,7 @@ KRHPR_API int krhpr_spatial_ups3_c_forward_gauss_newton_3(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

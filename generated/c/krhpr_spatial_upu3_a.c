@@ -13,24 +13,35 @@ static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.
 KRHPR_API int krhpr_spatial_upu3_a_prepare(krhpr_spatial_upu3_a_geometry *g)
 {
     int valid = 1;
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_upu3_prepare(&g->subleg[i]);
-        krhpr_platform_spatial_a_prepare(&g->platform[i]);
-        valid &= krhpr_taint(&g->subleg[i].azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].R_b, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].alpha, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].l_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].r_g, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].a_1, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].a_2, 1) == 0.0;
-        valid &= krhpr_taint(&g->subleg[i].a_3, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].platform_azimuth, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].R_p, 1) == 0.0;
-        valid &= krhpr_taint(&g->platform[i].l_r, 1) == 0.0;
-        valid &= g->subleg[i].R_b > 0.0;
-        valid &= g->subleg[i].r_g > 0.0;
-        valid &= g->platform[i].R_p > 0.0;
-        valid &= g->platform[i].l_r > 0.0;
+    g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
+    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
+    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
+    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
+    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    g->subleg.r_g[KRHPR_PLACES - 1] = g->subleg.r_g[2];
+    valid &= krhpr_taint(g->subleg.r_g, KRHPR_PLACES) == 0.0;
+    g->subleg.a_1[KRHPR_PLACES - 1] = g->subleg.a_1[2];
+    valid &= krhpr_taint(g->subleg.a_1, KRHPR_PLACES) == 0.0;
+    g->subleg.a_2[KRHPR_PLACES - 1] = g->subleg.a_2[2];
+    valid &= krhpr_taint(g->subleg.a_2, KRHPR_PLACES) == 0.0;
+    g->subleg.a_3[KRHPR_PLACES - 1] = g->subleg.a_3[2];
+    valid &= krhpr_taint(g->subleg.a_3, KRHPR_PLACES) == 0.0;
+    g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
+    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
+    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
+    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    for (int i = 0; i < KRHPR_PLACES; ++i) {
+        krhpr_subleg_upu3_prepare(&g->subleg, i);
+        krhpr_platform_spatial_a_prepare(&g->platform, i);
+        valid &= g->subleg.R_b[i] > 0.0;
+        valid &= g->subleg.r_g[i] > 0.0;
+        valid &= g->platform.R_p[i] > 0.0;
+        valid &= g->platform.l_r[i] > 0.0;
     }
     return valid ? KRHPR_OK : KRHPR_INVALID_INPUT;
 }
@@ -39,17 +50,17 @@ KRHPR_API int krhpr_spatial_upu3_a_set_geometry(krhpr_spatial_upu3_a_geometry *g
 {
     for (int i = 0; i < 3; ++i) {
         const double *leg = fields + 11 * i;
-        g->subleg[i].azimuth = leg[0];
-        g->subleg[i].R_b = leg[1];
-        g->subleg[i].alpha = leg[2];
-        g->subleg[i].l_1 = leg[3];
-        g->subleg[i].r_g = leg[4];
-        g->subleg[i].a_1 = leg[5];
-        g->subleg[i].a_2 = leg[6];
-        g->subleg[i].a_3 = leg[7];
-        g->platform[i].platform_azimuth = leg[8];
-        g->platform[i].R_p = leg[9];
-        g->platform[i].l_r = leg[10];
+        g->subleg.azimuth[i] = leg[0];
+        g->subleg.R_b[i] = leg[1];
+        g->subleg.alpha[i] = leg[2];
+        g->subleg.l_1[i] = leg[3];
+        g->subleg.r_g[i] = leg[4];
+        g->subleg.a_1[i] = leg[5];
+        g->subleg.a_2[i] = leg[6];
+        g->subleg.a_3[i] = leg[7];
+        g->platform.platform_azimuth[i] = leg[8];
+        g->platform.R_p[i] = leg[9];
+        g->platform.l_r[i] = leg[10];
     }
     return krhpr_spatial_upu3_a_prepare(g);
 }
@@ -115,7 +126,7 @@ KRHPR_API int krhpr_spatial_upu3_a_end_points(
     }
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     return status;
 }
@@ -151,7 +162,7 @@ KRHPR_API int krhpr_spatial_upu3_a_redundant_coordinates(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform[i], p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
+        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
     }
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
@@ -189,7 +200,7 @@ KRHPR_API int krhpr_spatial_upu3_a_subleg_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_upu3_forward(&g->subleg[i], theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_subleg_upu3_forward(&g->subleg, i, theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -227,7 +238,7 @@ KRHPR_API int krhpr_spatial_upu3_a_subleg_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_upu3_forward_all(&g->subleg[i], theta + 3 * i, s + 6 * i, &radicand[i]);
+        krhpr_subleg_upu3_forward_all(&g->subleg, i, theta + 3 * i, s + 6 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -264,7 +275,7 @@ KRHPR_API int krhpr_spatial_upu3_a_subleg_inverse(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_upu3_inverse_all(&g->subleg[i], s + 3 * i, theta + 3 * i, &radicand[i]);
+        krhpr_subleg_upu3_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -304,8 +315,8 @@ KRHPR_API int krhpr_spatial_upu3_a_subleg_jacobian(
     for (int i = 0; i < 3; ++i) {
         double w[9];
         double b[3];
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_jacobian(&g->subleg[i], w, b, M + 9 * i, &regularity[i]);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_jacobian(&g->subleg, i, w, b, M + 9 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -343,7 +354,7 @@ KRHPR_API int krhpr_spatial_upu3_a_constraints(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
     return status;
 }
@@ -385,9 +396,9 @@ KRHPR_API int krhpr_spatial_upu3_a_jacobians(
         double w[9];
         double b[3];
         double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_project(&g->subleg[i], w, b, N, K_block, &regularity[i]);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
         for (int k = 0; k < 3; ++k) {
             K[21 * i + 0 + k] = K_block[0 + k];
             K[21 * i + 9 + k] = K_block[3 + k];
@@ -436,9 +447,9 @@ KRHPR_API int krhpr_spatial_upu3_a_jacobian_blocks(
         double N[6];
         double w[9];
         double b[3];
-        krhpr_platform_spatial_a_rows(&g->platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_project(&g->subleg[i], w, b, N, K + 6 * i, &regularity[i]);
+        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_project(&g->subleg, i, w, b, N, K + 6 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -486,8 +497,8 @@ KRHPR_API int krhpr_spatial_upu3_a_inverse(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_upu3_inverse(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_upu3_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -535,8 +546,8 @@ KRHPR_API int krhpr_spatial_upu3_a_inverse_all(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_upu3_inverse_all(&g->subleg[i], s, theta + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_upu3_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -583,8 +594,8 @@ KRHPR_API int krhpr_spatial_upu3_a_inverse_status(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform[i], p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_upu3_reach(&g->subleg[i], &excess[i]);
+        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
+        krhpr_subleg_upu3_reach(&g->subleg, i, &excess[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -634,9 +645,9 @@ KRHPR_API int krhpr_spatial_upu3_a_twist(
         double b[3];
         double s_dot[3];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_velocity(&g->subleg[i], w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_velocity(&g->subleg, i, w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
         krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
@@ -692,9 +703,9 @@ KRHPR_API int krhpr_spatial_upu3_a_joint_rates(
         double w[9];
         double b[3];
         krhpr_platform_spatial_a_end_velocity(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_rates(&g->subleg[i], w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_rates(&g->subleg, i, w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -750,13 +761,13 @@ KRHPR_API int krhpr_spatial_upu3_a_platform_acceleration(
         double s_ddot[3];
         double row_bias[2];
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_upu3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_velocity(&g->subleg[i], w, b, theta_ddot + 3 * i, along, &regularity[i]);
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_velocity(&g->subleg, i, w, b, theta_ddot + 3 * i, along, &regularity[i]);
         krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
@@ -819,14 +830,14 @@ KRHPR_API int krhpr_spatial_upu3_a_joint_accelerations(
         double w[9];
         double b[3];
         krhpr_platform_spatial_a_end_acceleration(
-            &g->platform[i], p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
+            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
             redundant_accelerations[i], s_dot, s_ddot);
         krhpr_subleg_upu3_bias(
-            &g->subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
+            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
             &parallel_regularity[i]);
         krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_rates(&g->subleg[i], w, b, along, theta_ddot + 3 * i, &regularity[i]);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_rates(&g->subleg, i, w, b, along, theta_ddot + 3 * i, &regularity[i]);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -880,10 +891,10 @@ KRHPR_API int krhpr_spatial_upu3_a_passive_joints(
         double b[3];
         double link[9];
         double redundant_link[9];
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_passive(&g->subleg[i], w, link, tail_y + 6 * i, tail_x + 6 * i);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_passive(&g->subleg, i, w, link, tail_y + 6 * i, tail_x + 6 * i);
         krhpr_platform_spatial_a_joint(
-            &g->platform[i], p, Q, s + 3 * i, redundant_link, tail_y + 18 + 1 * i, tail_x + 18 + 1 * i);
+            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 18 + 1 * i, tail_x + 18 + 1 * i);
         krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
     }
     krhpr_atan2_array(21, tail_y, tail_x, tail);
@@ -931,9 +942,9 @@ KRHPR_API int krhpr_spatial_upu3_a_link_points(
     for (int i = 0; i < 3; ++i) {
         double w[9];
         double b[3];
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_points(&g->subleg[i], s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_points(&g->subleg, i, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
     }
     return status;
 }
@@ -976,10 +987,10 @@ KRHPR_API int krhpr_spatial_upu3_a_singularity(
         double w[9];
         double b[3];
         double N[6];
-        krhpr_subleg_upu3_posture(&g->subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_upu3_determinant(&g->subleg[i], w, b, &type_1[i], factors + 5 * i);
+        krhpr_subleg_upu3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_determinant(&g->subleg, i, w, b, &type_1[i], factors + 5 * i);
         krhpr_platform_spatial_a_line(
-            &g->platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1026,7 +1037,7 @@ KRHPR_API int krhpr_spatial_upu3_a_type_2_of_redundant(
     krhpr_sincos_array(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform[i], sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1073,7 +1084,7 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_all(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1199,8 +1210,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward(
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_upu3_forward(&g->subleg[i], theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_subleg_upu3_forward(&g->subleg, i, theta + 3 * i, s_near + 3 * i, s + 3 * i, &radicand[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1330,7 +1341,7 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_newton(
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1419,8 +1430,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_1(
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1491,8 +1502,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1570,8 +1581,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_encoders_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1651,8 +1662,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_2(
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1751,8 +1762,8 @@ KRHPR_API int krhpr_spatial_upu3_a_forward_gauss_newton_3(
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform[i], anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

@@ -11,66 +11,66 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_cpr3_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_cpr3_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double tilt_1; /* axis 1, from e_x (rad) */
-    double turn_1; /* axis 1 about e_x, from e_1 towards e_t (rad) */
-    double x_1; /* g_1 - c along e_x (m) */
-    double y_1; /* g_1 - c along e_1 (m) */
-    double z_1; /* g_1 - c along e_t (m) */
-    double tilt_2; /* axis 2, from e_x (rad) */
-    double turn_2; /* axis 2 about e_x, from e_1 towards e_t (rad) */
-    double x_2; /* g_2 - c along e_x (m) */
-    double y_2; /* g_2 - c along e_1 (m) */
-    double z_2; /* g_2 - c along e_t (m) */
-    double tilt_3; /* axis 3, from e_x (rad) */
-    double turn_3; /* axis 3 about e_x, from e_1 towards e_t (rad) */
-    double x_3; /* g_3 - c along e_x (m) */
-    double y_3; /* g_3 - c along e_1 (m) */
-    double z_3; /* g_3 - c along e_t (m) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double e[9]; /* axes e_k, a row for each chain */
-    double n[6]; /* two normals of axis 1, to measure angles about it */
-    double g[9]; /* points g_k, a row for each chain */
-    double k[64]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double tilt_1[KRHPR_PLACES]; /* axis 1, from e_x (rad) */
+    double turn_1[KRHPR_PLACES]; /* axis 1 about e_x, from e_1 towards e_t (rad) */
+    double x_1[KRHPR_PLACES]; /* g_1 - c along e_x (m) */
+    double y_1[KRHPR_PLACES]; /* g_1 - c along e_1 (m) */
+    double z_1[KRHPR_PLACES]; /* g_1 - c along e_t (m) */
+    double tilt_2[KRHPR_PLACES]; /* axis 2, from e_x (rad) */
+    double turn_2[KRHPR_PLACES]; /* axis 2 about e_x, from e_1 towards e_t (rad) */
+    double x_2[KRHPR_PLACES]; /* g_2 - c along e_x (m) */
+    double y_2[KRHPR_PLACES]; /* g_2 - c along e_1 (m) */
+    double z_2[KRHPR_PLACES]; /* g_2 - c along e_t (m) */
+    double tilt_3[KRHPR_PLACES]; /* axis 3, from e_x (rad) */
+    double turn_3[KRHPR_PLACES]; /* axis 3 about e_x, from e_1 towards e_t (rad) */
+    double x_3[KRHPR_PLACES]; /* g_3 - c along e_x (m) */
+    double y_3[KRHPR_PLACES]; /* g_3 - c along e_1 (m) */
+    double z_3[KRHPR_PLACES]; /* g_3 - c along e_t (m) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double e[9][KRHPR_PLACES]; /* axes e_k, a row for each chain */
+    double n[6][KRHPR_PLACES]; /* two normals of axis 1, to measure angles about it */
+    double g[9][KRHPR_PLACES]; /* points g_k, a row for each chain */
+    double k[64][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_cpr3_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (124 add, 196 multiply, 2 divide, 8 sine
  * cosine) */
-static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
+static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double c_0 = g->R_b * e_t_1 - g->l_1 * t2;
-    const double c_1 = g->R_b * e_r_1 - g->l_1 * t3;
-    const double c_2 = g->l_1 * e_1_2;
+    const double c_0 = g->R_b[i] * e_t_1 - g->l_1[i] * t2;
+    const double c_1 = g->R_b[i] * e_r_1 - g->l_1[i] * t3;
+    const double c_2 = g->l_1[i] * e_1_2;
     const double t4 = e_t_1 * e_1_2;
     const double t5 = e_r_1 * e_1_2;
     const double t6 = e_t_1 * t2 + e_r_1 * t3;
-    double t7, t8; krhpr_sincos(g->tilt_1, &t7, &t8);
-    double t9, t10; krhpr_sincos(g->turn_1, &t9, &t10);
+    double t7, t8; krhpr_sincos(g->tilt_1[i], &t7, &t8);
+    double t9, t10; krhpr_sincos(g->turn_1[i], &t9, &t10);
     const double t11 = t2 * t10 + e_r_1 * t9;
     const double t12 = t4 * t8 + t7 * t11;
     const double t13 = e_t_1 * t9 - t3 * t10;
     const double e_01 = t7 * t13 - t5 * t8;
     const double e_02 = t7 * (e_1_2 * t10) - t6 * t8;
-    double t14, t15; krhpr_sincos(g->tilt_2, &t14, &t15);
-    double t16, t17; krhpr_sincos(g->turn_2, &t16, &t17);
+    double t14, t15; krhpr_sincos(g->tilt_2[i], &t14, &t15);
+    double t16, t17; krhpr_sincos(g->turn_2[i], &t16, &t17);
     const double t18 = t4 * t15 + t14 * (t2 * t17 + e_r_1 * t16);
     const double e_11 = t14 * (e_t_1 * t16 - t3 * t17) - t5 * t15;
     const double e_12 = t14 * (e_1_2 * t17) - t6 * t15;
-    double t19, t20; krhpr_sincos(g->tilt_3, &t19, &t20);
-    double t21, t22; krhpr_sincos(g->turn_3, &t21, &t22);
+    double t19, t20; krhpr_sincos(g->tilt_3[i], &t19, &t20);
+    double t21, t22; krhpr_sincos(g->turn_3[i], &t21, &t22);
     const double t23 = t4 * t20 + t19 * (t2 * t22 + e_r_1 * t21);
     const double e_21 = t19 * (e_t_1 * t21 - t3 * t22) - t5 * t20;
     const double e_22 = t19 * (e_1_2 * t22) - t6 * t20;
@@ -80,15 +80,15 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
     const double n_10 = t2 * t9 - e_r_1 * t10;
     const double n_11 = e_t_1 * t10 + t3 * t9;
     const double t24 = e_1_2 * t9;
-    const double g_00 = c_0 - g->y_1 * t2 - g->z_1 * e_r_1 - g->x_1 * t4;
-    const double g_01 = c_1 - g->y_1 * t3 + g->z_1 * e_t_1 - g->x_1 * t5;
-    const double g_02 = c_2 + g->y_1 * e_1_2 - g->x_1 * t6;
-    const double g_10 = c_0 - g->y_2 * t2 - g->z_2 * e_r_1 - g->x_2 * t4;
-    const double g_11 = c_1 - g->y_2 * t3 + g->z_2 * e_t_1 - g->x_2 * t5;
-    const double g_12 = c_2 + g->y_2 * e_1_2 - g->x_2 * t6;
-    const double g_20 = c_0 - g->y_3 * t2 - g->z_3 * e_r_1 - g->x_3 * t4;
-    const double g_21 = c_1 - g->y_3 * t3 + g->z_3 * e_t_1 - g->x_3 * t5;
-    const double g_22 = c_2 + g->y_3 * e_1_2 - g->x_3 * t6;
+    const double g_00 = c_0 - g->y_1[i] * t2 - g->z_1[i] * e_r_1 - g->x_1[i] * t4;
+    const double g_01 = c_1 - g->y_1[i] * t3 + g->z_1[i] * e_t_1 - g->x_1[i] * t5;
+    const double g_02 = c_2 + g->y_1[i] * e_1_2 - g->x_1[i] * t6;
+    const double g_10 = c_0 - g->y_2[i] * t2 - g->z_2[i] * e_r_1 - g->x_2[i] * t4;
+    const double g_11 = c_1 - g->y_2[i] * t3 + g->z_2[i] * e_t_1 - g->x_2[i] * t5;
+    const double g_12 = c_2 + g->y_2[i] * e_1_2 - g->x_2[i] * t6;
+    const double g_20 = c_0 - g->y_3[i] * t2 - g->z_3[i] * e_r_1 - g->x_3[i] * t4;
+    const double g_21 = c_1 - g->y_3[i] * t3 + g->z_3[i] * e_t_1 - g->x_3[i] * t5;
+    const double g_22 = c_2 + g->y_3[i] * e_1_2 - g->x_3[i] * t6;
     const double t25 = g_00 - g_10;
     const double t26 = g_01 - g_11;
     const double t27 = g_02 - g_12;
@@ -118,173 +118,173 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g)
     const double t49 = t3 * e_22 + e_1_2 * e_21;
     const double k_59 = t2 * e_22 - e_1_2 * t23;
     const double t50 = t2 * e_21 + t3 * t23;
-    g->c[0] = c_0;
-    g->c[1] = c_1;
-    g->c[2] = c_2;
-    g->e_x[0] = -t4;
-    g->e_x[1] = -t5;
-    g->e_x[2] = -t6;
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->e[0] = -t12;
-    g->e[1] = e_01;
-    g->e[2] = e_02;
-    g->e[3] = -t18;
-    g->e[4] = e_11;
-    g->e[5] = e_12;
-    g->e[6] = -t23;
-    g->e[7] = e_21;
-    g->e[8] = e_22;
-    g->n[0] = n_00;
-    g->n[1] = n_01;
-    g->n[2] = n_02;
-    g->n[3] = n_10;
-    g->n[4] = n_11;
-    g->n[5] = -t24;
-    g->g[0] = g_00;
-    g->g[1] = g_01;
-    g->g[2] = g_02;
-    g->g[3] = g_10;
-    g->g[4] = g_11;
-    g->g[5] = g_12;
-    g->g[6] = g_20;
-    g->g[7] = g_21;
-    g->g[8] = g_22;
-    g->k[0] = 1.0 - t12 * t12;
-    g->k[1] = -t12 * e_01;
-    g->k[2] = -t12 * e_02;
-    g->k[3] = 1.0 - t18 * t18;
-    g->k[4] = -t18 * e_11;
-    g->k[5] = -t18 * e_12;
-    g->k[6] = 1.0 - t23 * t23;
-    g->k[7] = -t23 * e_21;
-    g->k[8] = -t23 * e_22;
-    g->k[9] = 1.0 - e_01 * e_01;
-    g->k[10] = e_01 * e_02;
-    g->k[11] = 1.0 - e_11 * e_11;
-    g->k[12] = e_11 * e_12;
-    g->k[13] = 1.0 - e_21 * e_21;
-    g->k[14] = e_21 * e_22;
-    g->k[15] = 1.0 - e_02 * e_02;
-    g->k[16] = 1.0 - e_12 * e_12;
-    g->k[17] = 1.0 - e_22 * e_22;
-    g->k[18] = t25 + t18 * t28;
-    g->k[19] = t26 - e_11 * t28;
-    g->k[20] = t27 - e_12 * t28;
-    g->k[21] = n_00 + t18 * t29;
-    g->k[22] = n_01 - e_11 * t29;
-    g->k[23] = n_02 - e_12 * t29;
-    g->k[24] = n_10 + t18 * t30;
-    g->k[25] = n_11 - e_11 * t30;
-    g->k[26] = -(t24 + e_12 * t30);
-    g->k[27] = t32 * t32 + t33 * t33 + t34 * t34;
-    g->k[28] = t32 * 2.0;
-    g->k[29] = t33 * 2.0;
-    g->k[30] = t34 * 2.0;
-    g->k[31] = t35 + t23 * t38;
-    g->k[32] = t36 - e_21 * t38;
-    g->k[33] = t37 - e_22 * t38;
-    g->k[34] = n_00 + t23 * t39;
-    g->k[35] = n_01 - e_21 * t39;
-    g->k[36] = n_02 - e_22 * t39;
-    g->k[37] = n_10 + t23 * t40;
-    g->k[38] = n_11 - e_21 * t40;
-    g->k[39] = -(t24 + e_22 * t40);
-    g->k[40] = t42 * t42 + t43 * t43 + t44 * t44;
-    g->k[41] = 2.0 * t42;
-    g->k[42] = 2.0 * t43;
-    g->k[43] = 2.0 * t44;
-    g->k[44] = 1.0 / (g->R_b * (g->R_b * g->R_b));
-    g->k[45] = 1.0 / g->R_b;
-    g->k[46] = -t45;
-    g->k[47] = k_47;
-    g->k[48] = -t46;
-    g->k[49] = -(e_01 * t46 + e_02 * k_47);
-    g->k[50] = -(e_02 * t45 + t12 * t46);
-    g->k[51] = e_01 * t45 - t12 * k_47;
-    g->k[52] = -t47;
-    g->k[53] = k_53;
-    g->k[54] = -t48;
-    g->k[55] = -(e_11 * t48 + e_12 * k_53);
-    g->k[56] = -(e_12 * t47 + t18 * t48);
-    g->k[57] = e_11 * t47 - t18 * k_53;
-    g->k[58] = -t49;
-    g->k[59] = k_59;
-    g->k[60] = -t50;
-    g->k[61] = -(e_21 * t50 + e_22 * k_59);
-    g->k[62] = -(e_22 * t49 + t23 * t50);
-    g->k[63] = e_21 * t49 - t23 * k_59;
+    g->c[0][i] = c_0;
+    g->c[1][i] = c_1;
+    g->c[2][i] = c_2;
+    g->e_x[0][i] = -t4;
+    g->e_x[1][i] = -t5;
+    g->e_x[2][i] = -t6;
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->e[0][i] = -t12;
+    g->e[1][i] = e_01;
+    g->e[2][i] = e_02;
+    g->e[3][i] = -t18;
+    g->e[4][i] = e_11;
+    g->e[5][i] = e_12;
+    g->e[6][i] = -t23;
+    g->e[7][i] = e_21;
+    g->e[8][i] = e_22;
+    g->n[0][i] = n_00;
+    g->n[1][i] = n_01;
+    g->n[2][i] = n_02;
+    g->n[3][i] = n_10;
+    g->n[4][i] = n_11;
+    g->n[5][i] = -t24;
+    g->g[0][i] = g_00;
+    g->g[1][i] = g_01;
+    g->g[2][i] = g_02;
+    g->g[3][i] = g_10;
+    g->g[4][i] = g_11;
+    g->g[5][i] = g_12;
+    g->g[6][i] = g_20;
+    g->g[7][i] = g_21;
+    g->g[8][i] = g_22;
+    g->k[0][i] = 1.0 - t12 * t12;
+    g->k[1][i] = -t12 * e_01;
+    g->k[2][i] = -t12 * e_02;
+    g->k[3][i] = 1.0 - t18 * t18;
+    g->k[4][i] = -t18 * e_11;
+    g->k[5][i] = -t18 * e_12;
+    g->k[6][i] = 1.0 - t23 * t23;
+    g->k[7][i] = -t23 * e_21;
+    g->k[8][i] = -t23 * e_22;
+    g->k[9][i] = 1.0 - e_01 * e_01;
+    g->k[10][i] = e_01 * e_02;
+    g->k[11][i] = 1.0 - e_11 * e_11;
+    g->k[12][i] = e_11 * e_12;
+    g->k[13][i] = 1.0 - e_21 * e_21;
+    g->k[14][i] = e_21 * e_22;
+    g->k[15][i] = 1.0 - e_02 * e_02;
+    g->k[16][i] = 1.0 - e_12 * e_12;
+    g->k[17][i] = 1.0 - e_22 * e_22;
+    g->k[18][i] = t25 + t18 * t28;
+    g->k[19][i] = t26 - e_11 * t28;
+    g->k[20][i] = t27 - e_12 * t28;
+    g->k[21][i] = n_00 + t18 * t29;
+    g->k[22][i] = n_01 - e_11 * t29;
+    g->k[23][i] = n_02 - e_12 * t29;
+    g->k[24][i] = n_10 + t18 * t30;
+    g->k[25][i] = n_11 - e_11 * t30;
+    g->k[26][i] = -(t24 + e_12 * t30);
+    g->k[27][i] = t32 * t32 + t33 * t33 + t34 * t34;
+    g->k[28][i] = t32 * 2.0;
+    g->k[29][i] = t33 * 2.0;
+    g->k[30][i] = t34 * 2.0;
+    g->k[31][i] = t35 + t23 * t38;
+    g->k[32][i] = t36 - e_21 * t38;
+    g->k[33][i] = t37 - e_22 * t38;
+    g->k[34][i] = n_00 + t23 * t39;
+    g->k[35][i] = n_01 - e_21 * t39;
+    g->k[36][i] = n_02 - e_22 * t39;
+    g->k[37][i] = n_10 + t23 * t40;
+    g->k[38][i] = n_11 - e_21 * t40;
+    g->k[39][i] = -(t24 + e_22 * t40);
+    g->k[40][i] = t42 * t42 + t43 * t43 + t44 * t44;
+    g->k[41][i] = 2.0 * t42;
+    g->k[42][i] = 2.0 * t43;
+    g->k[43][i] = 2.0 * t44;
+    g->k[44][i] = 1.0 / (g->R_b[i] * (g->R_b[i] * g->R_b[i]));
+    g->k[45][i] = 1.0 / g->R_b[i];
+    g->k[46][i] = -t45;
+    g->k[47][i] = k_47;
+    g->k[48][i] = -t46;
+    g->k[49][i] = -(e_01 * t46 + e_02 * k_47);
+    g->k[50][i] = -(e_02 * t45 + t12 * t46);
+    g->k[51][i] = e_01 * t45 - t12 * k_47;
+    g->k[52][i] = -t47;
+    g->k[53][i] = k_53;
+    g->k[54][i] = -t48;
+    g->k[55][i] = -(e_11 * t48 + e_12 * k_53);
+    g->k[56][i] = -(e_12 * t47 + t18 * t48);
+    g->k[57][i] = e_11 * t47 - t18 * k_53;
+    g->k[58][i] = -t49;
+    g->k[59][i] = k_59;
+    g->k[60][i] = -t50;
+    g->k[61][i] = -(e_21 * t50 + e_22 * k_59);
+    g->k[62][i] = -(e_22 * t49 + t23 * t50);
+    g->k[63][i] = e_21 * t49 - t23 * k_59;
 }
 
 /* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
  * multiply, 2 divide, 1 select) */
 static inline void krhpr_subleg_cpr3_forward_step(
-    const krhpr_subleg_cpr3_geometry *g, const double theta[3], const double s[3],
+    const krhpr_subleg_cpr3_geometry *g, int i, const double theta[3], const double s[3],
     double *KRHPR_RESTRICT s_next, double *KRHPR_RESTRICT change)
 {
-    const double arm_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double arm_1_1 = s[1] - g->g[1];
-    const double arm_1_2 = s[2] - g->g[2];
-    const double t1 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
-    const double p_1_0 = arm_1_0 - g->e[0] * t1; /* (2.52) */
-    const double p_1_1 = arm_1_1 - g->e[1] * t1;
-    const double p_1_2 = arm_1_2 - g->e[2] * t1;
-    const double arm_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double arm_2_1 = s[1] - g->g[4];
-    const double arm_2_2 = s[2] - g->g[5];
-    const double t2 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
-    const double p_2_0 = arm_2_0 - g->e[3] * t2; /* (2.52) */
-    const double p_2_1 = arm_2_1 - g->e[4] * t2;
-    const double p_2_2 = arm_2_2 - g->e[5] * t2;
-    const double arm_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double arm_3_1 = s[1] - g->g[7];
-    const double arm_3_2 = s[2] - g->g[8];
-    const double t3 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
-    const double p_3_0 = arm_3_0 - g->e[6] * t3; /* (2.52) */
-    const double p_3_1 = arm_3_1 - g->e[7] * t3;
-    const double p_3_2 = arm_3_2 - g->e[8] * t3;
+    const double arm_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double arm_1_1 = s[1] - g->g[1][i];
+    const double arm_1_2 = s[2] - g->g[2][i];
+    const double t1 = g->e[0][i] * arm_1_0 + g->e[1][i] * arm_1_1 + g->e[2][i] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0][i] * t1; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1][i] * t1;
+    const double p_1_2 = arm_1_2 - g->e[2][i] * t1;
+    const double arm_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double arm_2_1 = s[1] - g->g[4][i];
+    const double arm_2_2 = s[2] - g->g[5][i];
+    const double t2 = g->e[3][i] * arm_2_0 + g->e[4][i] * arm_2_1 + g->e[5][i] * arm_2_2;
+    const double p_2_0 = arm_2_0 - g->e[3][i] * t2; /* (2.52) */
+    const double p_2_1 = arm_2_1 - g->e[4][i] * t2;
+    const double p_2_2 = arm_2_2 - g->e[5][i] * t2;
+    const double arm_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double arm_3_1 = s[1] - g->g[7][i];
+    const double arm_3_2 = s[2] - g->g[8][i];
+    const double t3 = g->e[6][i] * arm_3_0 + g->e[7][i] * arm_3_1 + g->e[8][i] * arm_3_2;
+    const double p_3_0 = arm_3_0 - g->e[6][i] * t3; /* (2.52) */
+    const double p_3_1 = arm_3_1 - g->e[7][i] * t3;
+    const double p_3_2 = arm_3_2 - g->e[8][i] * t3;
     const double residual_0 = p_1_0 * p_1_0 + p_1_1 * p_1_1 + p_1_2 * p_1_2 - theta[0] * theta[0];
     const double residual_1 = p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - theta[1] * theta[1];
     const double residual_2 = p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - theta[2] * theta[2];
-    const double t4 = p_1_0 * g->k[0];
-    const double t5 = p_1_1 * g->k[1];
-    const double t6 = p_1_2 * g->k[2];
+    const double t4 = p_1_0 * g->k[0][i];
+    const double t5 = p_1_1 * g->k[1][i];
+    const double t6 = p_1_2 * g->k[2][i];
     const double df_00 = t4 + t4 - (t5 + t5) - (t6 + t6); /* df/ds */
-    const double t7 = p_2_0 * g->k[3];
-    const double t8 = p_2_1 * g->k[4];
-    const double t9 = p_2_2 * g->k[5];
+    const double t7 = p_2_0 * g->k[3][i];
+    const double t8 = p_2_1 * g->k[4][i];
+    const double t9 = p_2_2 * g->k[5][i];
     const double df_10 = t7 + t7 - (t8 + t8) - (t9 + t9); /* df/ds */
-    const double t10 = p_3_0 * g->k[6];
-    const double t11 = p_3_1 * g->k[7];
-    const double t12 = p_3_2 * g->k[8];
+    const double t10 = p_3_0 * g->k[6][i];
+    const double t11 = p_3_1 * g->k[7][i];
+    const double t12 = p_3_2 * g->k[8][i];
     const double df_20 = t10 + t10 - (t11 + t11) - (t12 + t12); /* df/ds */
-    const double t13 = p_1_0 * g->k[1];
-    const double t14 = p_1_1 * g->k[9];
-    const double t15 = p_1_2 * g->k[10];
+    const double t13 = p_1_0 * g->k[1][i];
+    const double t14 = p_1_1 * g->k[9][i];
+    const double t15 = p_1_2 * g->k[10][i];
     const double df_01 = t14 + t14 - (t13 + t13) - (t15 + t15); /* df/ds */
-    const double t16 = p_2_0 * g->k[4];
-    const double t17 = p_2_1 * g->k[11];
-    const double t18 = p_2_2 * g->k[12];
+    const double t16 = p_2_0 * g->k[4][i];
+    const double t17 = p_2_1 * g->k[11][i];
+    const double t18 = p_2_2 * g->k[12][i];
     const double df_11 = t17 + t17 - (t16 + t16) - (t18 + t18); /* df/ds */
-    const double t19 = p_3_0 * g->k[7];
-    const double t20 = p_3_1 * g->k[13];
-    const double t21 = p_3_2 * g->k[14];
+    const double t19 = p_3_0 * g->k[7][i];
+    const double t20 = p_3_1 * g->k[13][i];
+    const double t21 = p_3_2 * g->k[14][i];
     const double df_21 = t20 + t20 - (t19 + t19) - (t21 + t21); /* df/ds */
-    const double t22 = p_1_0 * g->k[2];
-    const double t23 = p_1_1 * g->k[10];
-    const double t24 = p_1_2 * g->k[15];
+    const double t22 = p_1_0 * g->k[2][i];
+    const double t23 = p_1_1 * g->k[10][i];
+    const double t24 = p_1_2 * g->k[15][i];
     const double df_02 = t24 + t24 - (t22 + t22 + (t23 + t23)); /* df/ds */
-    const double t25 = p_2_0 * g->k[5];
-    const double t26 = p_2_1 * g->k[12];
-    const double t27 = p_2_2 * g->k[16];
+    const double t25 = p_2_0 * g->k[5][i];
+    const double t26 = p_2_1 * g->k[12][i];
+    const double t27 = p_2_2 * g->k[16][i];
     const double df_12 = t27 + t27 - (t25 + t25 + (t26 + t26)); /* df/ds */
-    const double t28 = p_3_0 * g->k[8];
-    const double t29 = p_3_1 * g->k[14];
-    const double t30 = p_3_2 * g->k[17];
+    const double t28 = p_3_0 * g->k[8][i];
+    const double t29 = p_3_1 * g->k[14][i];
+    const double t30 = p_3_2 * g->k[17][i];
     const double df_22 = t30 + t30 - (t28 + t28 + (t29 + t29)); /* df/ds */
     const double t31 = df_11 * df_22 - df_21 * df_12;
     const double t32 = residual_0 * t31 + residual_1 * (df_21 * df_02 - df_01 * df_22) + residual_2 * (df_01 * df_12 - df_11 * df_02);
@@ -305,26 +305,26 @@ static inline void krhpr_subleg_cpr3_forward_step(
 
 /* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply) */
 static inline void krhpr_subleg_cpr3_octic(
-    const krhpr_subleg_cpr3_geometry *g, const double theta[3], double *KRHPR_RESTRICT octic)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT octic)
 {
-    const double a_2_0 = theta[0] * g->k[21];
-    const double a_2_1 = theta[0] * g->k[22];
-    const double a_2_2 = theta[0] * g->k[23];
-    const double b_2_0 = theta[0] * g->k[24];
-    const double b_2_1 = theta[0] * g->k[25];
-    const double b_2_2 = theta[0] * g->k[26];
-    const double p_20_0 = g->k[18] + a_2_0;
+    const double a_2_0 = theta[0] * g->k[21][i];
+    const double a_2_1 = theta[0] * g->k[22][i];
+    const double a_2_2 = theta[0] * g->k[23][i];
+    const double b_2_0 = theta[0] * g->k[24][i];
+    const double b_2_1 = theta[0] * g->k[25][i];
+    const double b_2_2 = theta[0] * g->k[26][i];
+    const double p_20_0 = g->k[18][i] + a_2_0;
     const double p_20_1 = b_2_0 * 2.0;
-    const double p_20_2 = g->k[18] - a_2_0;
-    const double p_21_0 = g->k[19] + a_2_1;
+    const double p_20_2 = g->k[18][i] - a_2_0;
+    const double p_21_0 = g->k[19][i] + a_2_1;
     const double p_21_1 = b_2_1 * 2.0;
-    const double p_21_2 = g->k[19] - a_2_1;
-    const double p_22_0 = g->k[20] + a_2_2;
+    const double p_21_2 = g->k[19][i] - a_2_1;
+    const double p_22_0 = g->k[20][i] + a_2_2;
     const double p_22_1 = b_2_2 * 2.0;
-    const double p_22_2 = g->k[20] - a_2_2;
-    const double B_2_0 = p_20_0 * g->k[28] + p_21_0 * g->k[29] + p_22_0 * g->k[30];
-    const double B_2_1 = p_20_1 * g->k[28] + p_21_1 * g->k[29] + p_22_1 * g->k[30];
-    const double B_2_2 = p_20_2 * g->k[28] + p_21_2 * g->k[29] + p_22_2 * g->k[30];
+    const double p_22_2 = g->k[20][i] - a_2_2;
+    const double B_2_0 = p_20_0 * g->k[28][i] + p_21_0 * g->k[29][i] + p_22_0 * g->k[30][i];
+    const double B_2_1 = p_20_1 * g->k[28][i] + p_21_1 * g->k[29][i] + p_22_1 * g->k[30][i];
+    const double B_2_2 = p_20_2 * g->k[28][i] + p_21_2 * g->k[29][i] + p_22_2 * g->k[30][i];
     const double t1 = theta[1] * theta[1];
     const double C_2_0 = p_20_0 * p_20_0 + p_21_0 * p_21_0 + p_22_0 * p_22_0 - t1;
     const double t2 = p_20_0 * 2.0;
@@ -335,24 +335,24 @@ static inline void krhpr_subleg_cpr3_octic(
     const double C_2_2 = t5 + p_22_2 * t4 - 2.0 * t1;
     const double C_2_3 = p_20_2 * (2.0 * p_20_1) + p_21_2 * (2.0 * p_21_1) + p_22_2 * (2.0 * p_22_1);
     const double C_2_4 = p_20_2 * p_20_2 + p_21_2 * p_21_2 + p_22_2 * p_22_2 - t1;
-    const double a_3_0 = theta[0] * g->k[34];
-    const double a_3_1 = theta[0] * g->k[35];
-    const double a_3_2 = theta[0] * g->k[36];
-    const double b_3_0 = theta[0] * g->k[37];
-    const double b_3_1 = theta[0] * g->k[38];
-    const double b_3_2 = theta[0] * g->k[39];
-    const double p_30_0 = g->k[31] + a_3_0;
+    const double a_3_0 = theta[0] * g->k[34][i];
+    const double a_3_1 = theta[0] * g->k[35][i];
+    const double a_3_2 = theta[0] * g->k[36][i];
+    const double b_3_0 = theta[0] * g->k[37][i];
+    const double b_3_1 = theta[0] * g->k[38][i];
+    const double b_3_2 = theta[0] * g->k[39][i];
+    const double p_30_0 = g->k[31][i] + a_3_0;
     const double p_30_1 = 2.0 * b_3_0;
-    const double p_30_2 = g->k[31] - a_3_0;
-    const double p_31_0 = g->k[32] + a_3_1;
+    const double p_30_2 = g->k[31][i] - a_3_0;
+    const double p_31_0 = g->k[32][i] + a_3_1;
     const double p_31_1 = 2.0 * b_3_1;
-    const double p_31_2 = g->k[32] - a_3_1;
-    const double p_32_0 = g->k[33] + a_3_2;
+    const double p_31_2 = g->k[32][i] - a_3_1;
+    const double p_32_0 = g->k[33][i] + a_3_2;
     const double p_32_1 = 2.0 * b_3_2;
-    const double p_32_2 = g->k[33] - a_3_2;
-    const double B_3_0 = p_30_0 * g->k[41] + p_31_0 * g->k[42] + p_32_0 * g->k[43];
-    const double B_3_1 = p_30_1 * g->k[41] + p_31_1 * g->k[42] + p_32_1 * g->k[43];
-    const double B_3_2 = p_30_2 * g->k[41] + p_31_2 * g->k[42] + p_32_2 * g->k[43];
+    const double p_32_2 = g->k[33][i] - a_3_2;
+    const double B_3_0 = p_30_0 * g->k[41][i] + p_31_0 * g->k[42][i] + p_32_0 * g->k[43][i];
+    const double B_3_1 = p_30_1 * g->k[41][i] + p_31_1 * g->k[42][i] + p_32_1 * g->k[43][i];
+    const double B_3_2 = p_30_2 * g->k[41][i] + p_31_2 * g->k[42][i] + p_32_2 * g->k[43][i];
     const double t6 = theta[2] * theta[2];
     const double C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t6;
     const double t7 = 2.0 * p_30_0;
@@ -363,14 +363,14 @@ static inline void krhpr_subleg_cpr3_octic(
     const double C_3_2 = t10 + p_32_2 * t9 - 2.0 * t6;
     const double C_3_3 = p_30_2 * (2.0 * p_30_1) + p_31_2 * (2.0 * p_31_1) + p_32_2 * (2.0 * p_32_1);
     const double C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t6;
-    const double F_0 = g->k[27] * C_3_0 - C_2_0 * g->k[40];
-    const double F_1 = g->k[27] * C_3_1 - C_2_1 * g->k[40];
-    const double F_2 = g->k[27] * C_3_2 - C_2_2 * g->k[40];
-    const double F_3 = g->k[27] * C_3_3 - C_2_3 * g->k[40];
-    const double F_4 = g->k[27] * C_3_4 - C_2_4 * g->k[40];
-    const double G_0 = g->k[27] * B_3_0 - B_2_0 * g->k[40];
-    const double G_1 = g->k[27] * B_3_1 - B_2_1 * g->k[40];
-    const double G_2 = g->k[27] * B_3_2 - B_2_2 * g->k[40];
+    const double F_0 = g->k[27][i] * C_3_0 - C_2_0 * g->k[40][i];
+    const double F_1 = g->k[27][i] * C_3_1 - C_2_1 * g->k[40][i];
+    const double F_2 = g->k[27][i] * C_3_2 - C_2_2 * g->k[40][i];
+    const double F_3 = g->k[27][i] * C_3_3 - C_2_3 * g->k[40][i];
+    const double F_4 = g->k[27][i] * C_3_4 - C_2_4 * g->k[40][i];
+    const double G_0 = g->k[27][i] * B_3_0 - B_2_0 * g->k[40][i];
+    const double G_1 = g->k[27][i] * B_3_1 - B_2_1 * g->k[40][i];
+    const double G_2 = g->k[27][i] * B_3_2 - B_2_2 * g->k[40][i];
     const double H_0 = B_2_0 * C_3_0 - C_2_0 * B_3_0;
     const double H_1 = B_2_0 * C_3_1 + B_2_1 * C_3_0 - C_2_1 * B_3_0 - C_2_0 * B_3_1;
     const double H_2 = B_2_0 * C_3_2 + B_2_1 * C_3_1 + B_2_2 * C_3_0 - C_2_2 * B_3_0 - C_2_1 * B_3_1 - C_2_0 * B_3_2;
@@ -395,7 +395,7 @@ static inline void krhpr_subleg_cpr3_octic(
 /* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266 multiply, 5
  * divide) */
 static inline void krhpr_subleg_cpr3_at_root(
-    const krhpr_subleg_cpr3_geometry *g, const double root[2], const double theta[3],
+    const krhpr_subleg_cpr3_geometry *g, int i, const double root[2], const double theta[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT volume, double *KRHPR_RESTRICT miss)
 {
     const double t1 = root[0] * root[0];
@@ -403,92 +403,92 @@ static inline void krhpr_subleg_cpr3_at_root(
     const double xy_2 = 1.0 / (t1 + t2);
     const double cos_t = xy_2 * (t2 - t1);
     const double sin_t = xy_2 * (root[1] * (root[0] * 2.0));
-    const double foot_0 = g->g[0] + theta[0] * (g->n[0] * cos_t + g->n[3] * sin_t); /* on the cylinder, x = 0 */
-    const double foot_1 = g->g[1] + theta[0] * (g->n[1] * cos_t + g->n[4] * sin_t);
-    const double foot_2 = g->g[2] + theta[0] * (g->n[2] * cos_t + g->n[5] * sin_t);
-    const double t3 = foot_0 - g->g[3];
-    const double t4 = foot_1 - g->g[4];
-    const double t5 = foot_2 - g->g[5];
-    const double t6 = g->e[3] * t3 + g->e[4] * t4 + g->e[5] * t5;
-    const double p_2_0 = t3 - g->e[3] * t6;
-    const double p_2_1 = t4 - g->e[4] * t6;
-    const double p_2_2 = t5 - g->e[5] * t6;
-    const double B_2 = p_2_0 * g->k[28] + p_2_1 * g->k[29] + p_2_2 * g->k[30];
-    const double t7 = foot_0 - g->g[6];
-    const double t8 = foot_1 - g->g[7];
-    const double t9 = foot_2 - g->g[8];
-    const double t10 = g->e[6] * t7 + g->e[7] * t8 + g->e[8] * t9;
-    const double p_3_0 = t7 - g->e[6] * t10;
-    const double p_3_1 = t8 - g->e[7] * t10;
-    const double p_3_2 = t9 - g->e[8] * t10;
-    const double B_3 = p_3_0 * g->k[41] + p_3_1 * g->k[42] + p_3_2 * g->k[43];
+    const double foot_0 = g->g[0][i] + theta[0] * (g->n[0][i] * cos_t + g->n[3][i] * sin_t); /* on the cylinder, x = 0 */
+    const double foot_1 = g->g[1][i] + theta[0] * (g->n[1][i] * cos_t + g->n[4][i] * sin_t);
+    const double foot_2 = g->g[2][i] + theta[0] * (g->n[2][i] * cos_t + g->n[5][i] * sin_t);
+    const double t3 = foot_0 - g->g[3][i];
+    const double t4 = foot_1 - g->g[4][i];
+    const double t5 = foot_2 - g->g[5][i];
+    const double t6 = g->e[3][i] * t3 + g->e[4][i] * t4 + g->e[5][i] * t5;
+    const double p_2_0 = t3 - g->e[3][i] * t6;
+    const double p_2_1 = t4 - g->e[4][i] * t6;
+    const double p_2_2 = t5 - g->e[5][i] * t6;
+    const double B_2 = p_2_0 * g->k[28][i] + p_2_1 * g->k[29][i] + p_2_2 * g->k[30][i];
+    const double t7 = foot_0 - g->g[6][i];
+    const double t8 = foot_1 - g->g[7][i];
+    const double t9 = foot_2 - g->g[8][i];
+    const double t10 = g->e[6][i] * t7 + g->e[7][i] * t8 + g->e[8][i] * t9;
+    const double p_3_0 = t7 - g->e[6][i] * t10;
+    const double p_3_1 = t8 - g->e[7][i] * t10;
+    const double p_3_2 = t9 - g->e[8][i] * t10;
+    const double B_3 = p_3_0 * g->k[41][i] + p_3_1 * g->k[42][i] + p_3_2 * g->k[43][i];
     const double t11 = theta[2] * theta[2];
     const double t12 = theta[1] * theta[1];
-    const double t13 = g->k[27] * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g->k[40] * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
-    const double t14 = 1.0 / (g->k[27] * B_3 - B_2 * g->k[40]);
-    const double s_0_0 = foot_0 - g->e[0] * t13 * t14;
-    const double s_0_1 = foot_1 - t14 * (g->e[1] * t13);
-    const double s_0_2 = foot_2 - t14 * (g->e[2] * t13);
-    const double arm_1_0 = s_0_0 - g->g[0]; /* s - g_k */
-    const double arm_1_1 = s_0_1 - g->g[1];
-    const double arm_1_2 = s_0_2 - g->g[2];
-    const double t15 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
-    const double p_1_0 = arm_1_0 - g->e[0] * t15; /* (2.52) */
-    const double p_1_1 = arm_1_1 - g->e[1] * t15;
-    const double p_1_2 = arm_1_2 - g->e[2] * t15;
-    const double arm_2_0 = s_0_0 - g->g[3]; /* s - g_k */
-    const double arm_2_1 = s_0_1 - g->g[4];
-    const double arm_2_2 = s_0_2 - g->g[5];
-    const double t16 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
-    const double p_2_0_a = arm_2_0 - g->e[3] * t16; /* (2.52) */
-    const double p_2_1_a = arm_2_1 - g->e[4] * t16;
-    const double p_2_2_a = arm_2_2 - g->e[5] * t16;
-    const double arm_3_0 = s_0_0 - g->g[6]; /* s - g_k */
-    const double arm_3_1 = s_0_1 - g->g[7];
-    const double arm_3_2 = s_0_2 - g->g[8];
-    const double t17 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
-    const double p_3_0_a = arm_3_0 - g->e[6] * t17; /* (2.52) */
-    const double p_3_1_a = arm_3_1 - g->e[7] * t17;
-    const double p_3_2_a = arm_3_2 - g->e[8] * t17;
+    const double t13 = g->k[27][i] * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g->k[40][i] * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
+    const double t14 = 1.0 / (g->k[27][i] * B_3 - B_2 * g->k[40][i]);
+    const double s_0_0 = foot_0 - g->e[0][i] * t13 * t14;
+    const double s_0_1 = foot_1 - t14 * (g->e[1][i] * t13);
+    const double s_0_2 = foot_2 - t14 * (g->e[2][i] * t13);
+    const double arm_1_0 = s_0_0 - g->g[0][i]; /* s - g_k */
+    const double arm_1_1 = s_0_1 - g->g[1][i];
+    const double arm_1_2 = s_0_2 - g->g[2][i];
+    const double t15 = g->e[0][i] * arm_1_0 + g->e[1][i] * arm_1_1 + g->e[2][i] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0][i] * t15; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1][i] * t15;
+    const double p_1_2 = arm_1_2 - g->e[2][i] * t15;
+    const double arm_2_0 = s_0_0 - g->g[3][i]; /* s - g_k */
+    const double arm_2_1 = s_0_1 - g->g[4][i];
+    const double arm_2_2 = s_0_2 - g->g[5][i];
+    const double t16 = g->e[3][i] * arm_2_0 + g->e[4][i] * arm_2_1 + g->e[5][i] * arm_2_2;
+    const double p_2_0_a = arm_2_0 - g->e[3][i] * t16; /* (2.52) */
+    const double p_2_1_a = arm_2_1 - g->e[4][i] * t16;
+    const double p_2_2_a = arm_2_2 - g->e[5][i] * t16;
+    const double arm_3_0 = s_0_0 - g->g[6][i]; /* s - g_k */
+    const double arm_3_1 = s_0_1 - g->g[7][i];
+    const double arm_3_2 = s_0_2 - g->g[8][i];
+    const double t17 = g->e[6][i] * arm_3_0 + g->e[7][i] * arm_3_1 + g->e[8][i] * arm_3_2;
+    const double p_3_0_a = arm_3_0 - g->e[6][i] * t17; /* (2.52) */
+    const double p_3_1_a = arm_3_1 - g->e[7][i] * t17;
+    const double p_3_2_a = arm_3_2 - g->e[8][i] * t17;
     const double t18 = theta[0] * theta[0];
     const double residual_0 = p_1_0 * p_1_0 + p_1_1 * p_1_1 + p_1_2 * p_1_2 - t18;
     const double residual_1 = p_2_0_a * p_2_0_a + p_2_1_a * p_2_1_a + p_2_2_a * p_2_2_a - t12;
     const double residual_2 = p_3_0_a * p_3_0_a + p_3_1_a * p_3_1_a + p_3_2_a * p_3_2_a - t11;
-    const double t19 = p_1_0 * g->k[0];
-    const double t20 = p_1_1 * g->k[1];
-    const double t21 = p_1_2 * g->k[2];
+    const double t19 = p_1_0 * g->k[0][i];
+    const double t20 = p_1_1 * g->k[1][i];
+    const double t21 = p_1_2 * g->k[2][i];
     const double df_00 = t19 + t19 - (t20 + t20) - (t21 + t21); /* df/ds */
-    const double t22 = p_2_0_a * g->k[3];
-    const double t23 = p_2_1_a * g->k[4];
-    const double t24 = p_2_2_a * g->k[5];
+    const double t22 = p_2_0_a * g->k[3][i];
+    const double t23 = p_2_1_a * g->k[4][i];
+    const double t24 = p_2_2_a * g->k[5][i];
     const double df_10 = t22 + t22 - (t23 + t23) - (t24 + t24); /* df/ds */
-    const double t25 = p_3_0_a * g->k[6];
-    const double t26 = p_3_1_a * g->k[7];
-    const double t27 = p_3_2_a * g->k[8];
+    const double t25 = p_3_0_a * g->k[6][i];
+    const double t26 = p_3_1_a * g->k[7][i];
+    const double t27 = p_3_2_a * g->k[8][i];
     const double df_20 = t25 + t25 - (t26 + t26) - (t27 + t27); /* df/ds */
-    const double t28 = p_1_0 * g->k[1];
-    const double t29 = p_1_1 * g->k[9];
-    const double t30 = p_1_2 * g->k[10];
+    const double t28 = p_1_0 * g->k[1][i];
+    const double t29 = p_1_1 * g->k[9][i];
+    const double t30 = p_1_2 * g->k[10][i];
     const double df_01 = t29 + t29 - (t28 + t28) - (t30 + t30); /* df/ds */
-    const double t31 = p_2_0_a * g->k[4];
-    const double t32 = p_2_1_a * g->k[11];
-    const double t33 = p_2_2_a * g->k[12];
+    const double t31 = p_2_0_a * g->k[4][i];
+    const double t32 = p_2_1_a * g->k[11][i];
+    const double t33 = p_2_2_a * g->k[12][i];
     const double df_11 = t32 + t32 - (t31 + t31) - (t33 + t33); /* df/ds */
-    const double t34 = p_3_0_a * g->k[7];
-    const double t35 = p_3_1_a * g->k[13];
-    const double t36 = p_3_2_a * g->k[14];
+    const double t34 = p_3_0_a * g->k[7][i];
+    const double t35 = p_3_1_a * g->k[13][i];
+    const double t36 = p_3_2_a * g->k[14][i];
     const double df_21 = t35 + t35 - (t34 + t34) - (t36 + t36); /* df/ds */
-    const double t37 = p_1_0 * g->k[2];
-    const double t38 = p_1_1 * g->k[10];
-    const double t39 = p_1_2 * g->k[15];
+    const double t37 = p_1_0 * g->k[2][i];
+    const double t38 = p_1_1 * g->k[10][i];
+    const double t39 = p_1_2 * g->k[15][i];
     const double df_02 = t39 + t39 - (t37 + t37 + (t38 + t38)); /* df/ds */
-    const double t40 = p_2_0_a * g->k[5];
-    const double t41 = p_2_1_a * g->k[12];
-    const double t42 = p_2_2_a * g->k[16];
+    const double t40 = p_2_0_a * g->k[5][i];
+    const double t41 = p_2_1_a * g->k[12][i];
+    const double t42 = p_2_2_a * g->k[16][i];
     const double df_12 = t42 + t42 - (t40 + t40 + (t41 + t41)); /* df/ds */
-    const double t43 = p_3_0_a * g->k[8];
-    const double t44 = p_3_1_a * g->k[14];
-    const double t45 = p_3_2_a * g->k[17];
+    const double t43 = p_3_0_a * g->k[8][i];
+    const double t44 = p_3_1_a * g->k[14][i];
+    const double t45 = p_3_2_a * g->k[17][i];
     const double df_22 = t45 + t45 - (t43 + t43 + (t44 + t44)); /* df/ds */
     const double t46 = df_11 * df_22 - df_21 * df_12;
     const double t47 = residual_0 * t46 + residual_1 * (df_21 * df_02 - df_01 * df_22) + residual_2 * (df_01 * df_12 - df_11 * df_02);
@@ -500,65 +500,65 @@ static inline void krhpr_subleg_cpr3_at_root(
     const double s_next_0 = s_0_0 - t47 * t50;
     const double s_next_1 = s_0_1 - t50 * t51;
     const double s_next_2 = s_0_2 - t50 * t52;
-    const double arm_1_0_a = s_next_0 - g->g[0]; /* s - g_k */
-    const double arm_1_1_a = s_next_1 - g->g[1];
-    const double arm_1_2_a = s_next_2 - g->g[2];
-    const double t53 = g->e[0] * arm_1_0_a + g->e[1] * arm_1_1_a + g->e[2] * arm_1_2_a;
-    const double p_1_0_a = arm_1_0_a - g->e[0] * t53; /* (2.52) */
-    const double p_1_1_a = arm_1_1_a - g->e[1] * t53;
-    const double p_1_2_a = arm_1_2_a - g->e[2] * t53;
-    const double arm_2_0_a = s_next_0 - g->g[3]; /* s - g_k */
-    const double arm_2_1_a = s_next_1 - g->g[4];
-    const double arm_2_2_a = s_next_2 - g->g[5];
-    const double t54 = g->e[3] * arm_2_0_a + g->e[4] * arm_2_1_a + g->e[5] * arm_2_2_a;
-    const double p_2_0_b = arm_2_0_a - g->e[3] * t54; /* (2.52) */
-    const double p_2_1_b = arm_2_1_a - g->e[4] * t54;
-    const double p_2_2_b = arm_2_2_a - g->e[5] * t54;
-    const double arm_3_0_a = s_next_0 - g->g[6]; /* s - g_k */
-    const double arm_3_1_a = s_next_1 - g->g[7];
-    const double arm_3_2_a = s_next_2 - g->g[8];
-    const double t55 = g->e[6] * arm_3_0_a + g->e[7] * arm_3_1_a + g->e[8] * arm_3_2_a;
-    const double p_3_0_b = arm_3_0_a - g->e[6] * t55; /* (2.52) */
-    const double p_3_1_b = arm_3_1_a - g->e[7] * t55;
-    const double p_3_2_b = arm_3_2_a - g->e[8] * t55;
+    const double arm_1_0_a = s_next_0 - g->g[0][i]; /* s - g_k */
+    const double arm_1_1_a = s_next_1 - g->g[1][i];
+    const double arm_1_2_a = s_next_2 - g->g[2][i];
+    const double t53 = g->e[0][i] * arm_1_0_a + g->e[1][i] * arm_1_1_a + g->e[2][i] * arm_1_2_a;
+    const double p_1_0_a = arm_1_0_a - g->e[0][i] * t53; /* (2.52) */
+    const double p_1_1_a = arm_1_1_a - g->e[1][i] * t53;
+    const double p_1_2_a = arm_1_2_a - g->e[2][i] * t53;
+    const double arm_2_0_a = s_next_0 - g->g[3][i]; /* s - g_k */
+    const double arm_2_1_a = s_next_1 - g->g[4][i];
+    const double arm_2_2_a = s_next_2 - g->g[5][i];
+    const double t54 = g->e[3][i] * arm_2_0_a + g->e[4][i] * arm_2_1_a + g->e[5][i] * arm_2_2_a;
+    const double p_2_0_b = arm_2_0_a - g->e[3][i] * t54; /* (2.52) */
+    const double p_2_1_b = arm_2_1_a - g->e[4][i] * t54;
+    const double p_2_2_b = arm_2_2_a - g->e[5][i] * t54;
+    const double arm_3_0_a = s_next_0 - g->g[6][i]; /* s - g_k */
+    const double arm_3_1_a = s_next_1 - g->g[7][i];
+    const double arm_3_2_a = s_next_2 - g->g[8][i];
+    const double t55 = g->e[6][i] * arm_3_0_a + g->e[7][i] * arm_3_1_a + g->e[8][i] * arm_3_2_a;
+    const double p_3_0_b = arm_3_0_a - g->e[6][i] * t55; /* (2.52) */
+    const double p_3_1_b = arm_3_1_a - g->e[7][i] * t55;
+    const double p_3_2_b = arm_3_2_a - g->e[8][i] * t55;
     const double residual_0_a = p_1_0_a * p_1_0_a + p_1_1_a * p_1_1_a + p_1_2_a * p_1_2_a - t18;
     const double residual_1_a = p_2_0_b * p_2_0_b + p_2_1_b * p_2_1_b + p_2_2_b * p_2_2_b - t12;
     const double residual_2_a = p_3_0_b * p_3_0_b + p_3_1_b * p_3_1_b + p_3_2_b * p_3_2_b - t11;
-    const double t56 = g->k[0] * p_1_0_a;
-    const double t57 = g->k[1] * p_1_1_a;
-    const double t58 = g->k[2] * p_1_2_a;
+    const double t56 = g->k[0][i] * p_1_0_a;
+    const double t57 = g->k[1][i] * p_1_1_a;
+    const double t58 = g->k[2][i] * p_1_2_a;
     const double df_00_a = t56 + t56 - (t57 + t57) - (t58 + t58); /* df/ds */
-    const double t59 = g->k[3] * p_2_0_b;
-    const double t60 = g->k[4] * p_2_1_b;
-    const double t61 = g->k[5] * p_2_2_b;
+    const double t59 = g->k[3][i] * p_2_0_b;
+    const double t60 = g->k[4][i] * p_2_1_b;
+    const double t61 = g->k[5][i] * p_2_2_b;
     const double df_10_a = t59 + t59 - (t60 + t60) - (t61 + t61); /* df/ds */
-    const double t62 = g->k[6] * p_3_0_b;
-    const double t63 = g->k[7] * p_3_1_b;
-    const double t64 = g->k[8] * p_3_2_b;
+    const double t62 = g->k[6][i] * p_3_0_b;
+    const double t63 = g->k[7][i] * p_3_1_b;
+    const double t64 = g->k[8][i] * p_3_2_b;
     const double df_20_a = t62 + t62 - (t63 + t63) - (t64 + t64); /* df/ds */
-    const double t65 = g->k[1] * p_1_0_a;
-    const double t66 = g->k[9] * p_1_1_a;
-    const double t67 = g->k[10] * p_1_2_a;
+    const double t65 = g->k[1][i] * p_1_0_a;
+    const double t66 = g->k[9][i] * p_1_1_a;
+    const double t67 = g->k[10][i] * p_1_2_a;
     const double df_01_a = t66 + t66 - (t65 + t65) - (t67 + t67); /* df/ds */
-    const double t68 = g->k[4] * p_2_0_b;
-    const double t69 = g->k[11] * p_2_1_b;
-    const double t70 = g->k[12] * p_2_2_b;
+    const double t68 = g->k[4][i] * p_2_0_b;
+    const double t69 = g->k[11][i] * p_2_1_b;
+    const double t70 = g->k[12][i] * p_2_2_b;
     const double df_11_a = t69 + t69 - (t68 + t68) - (t70 + t70); /* df/ds */
-    const double t71 = g->k[7] * p_3_0_b;
-    const double t72 = g->k[13] * p_3_1_b;
-    const double t73 = g->k[14] * p_3_2_b;
+    const double t71 = g->k[7][i] * p_3_0_b;
+    const double t72 = g->k[13][i] * p_3_1_b;
+    const double t73 = g->k[14][i] * p_3_2_b;
     const double df_21_a = t72 + t72 - (t71 + t71) - (t73 + t73); /* df/ds */
-    const double t74 = g->k[2] * p_1_0_a;
-    const double t75 = g->k[10] * p_1_1_a;
-    const double t76 = g->k[15] * p_1_2_a;
+    const double t74 = g->k[2][i] * p_1_0_a;
+    const double t75 = g->k[10][i] * p_1_1_a;
+    const double t76 = g->k[15][i] * p_1_2_a;
     const double df_02_a = t76 + t76 - (t74 + t74 + (t75 + t75)); /* df/ds */
-    const double t77 = g->k[5] * p_2_0_b;
-    const double t78 = g->k[12] * p_2_1_b;
-    const double t79 = g->k[16] * p_2_2_b;
+    const double t77 = g->k[5][i] * p_2_0_b;
+    const double t78 = g->k[12][i] * p_2_1_b;
+    const double t79 = g->k[16][i] * p_2_2_b;
     const double df_12_a = t79 + t79 - (t77 + t77 + (t78 + t78)); /* df/ds */
-    const double t80 = g->k[8] * p_3_0_b;
-    const double t81 = g->k[14] * p_3_1_b;
-    const double t82 = g->k[17] * p_3_2_b;
+    const double t80 = g->k[8][i] * p_3_0_b;
+    const double t81 = g->k[14][i] * p_3_1_b;
+    const double t82 = g->k[17][i] * p_3_2_b;
     const double df_22_a = t82 + t82 - (t80 + t80 + (t81 + t81)); /* df/ds */
     const double t83 = df_11_a * df_22_a - df_21_a * df_12_a;
     const double t84 = residual_0_a * t83 + residual_1_a * (df_21_a * df_02_a - df_01_a * df_22_a) + residual_2_a * (df_01_a * df_12_a - df_11_a * df_02_a);
@@ -570,27 +570,27 @@ static inline void krhpr_subleg_cpr3_at_root(
     const double s_next_0_a = s_next_0 - t84 * t87;
     const double s_next_1_a = s_next_1 - t87 * t88;
     const double s_next_2_a = s_next_2 - t87 * t89;
-    const double arm_1_0_b = s_next_0_a - g->g[0]; /* s - g_k */
-    const double arm_1_1_b = s_next_1_a - g->g[1];
-    const double arm_1_2_b = s_next_2_a - g->g[2];
-    const double t90 = g->e[0] * arm_1_0_b + g->e[1] * arm_1_1_b + g->e[2] * arm_1_2_b;
-    const double p_1_0_b = arm_1_0_b - g->e[0] * t90; /* (2.52) */
-    const double p_1_1_b = arm_1_1_b - g->e[1] * t90;
-    const double p_1_2_b = arm_1_2_b - g->e[2] * t90;
-    const double arm_2_0_b = s_next_0_a - g->g[3]; /* s - g_k */
-    const double arm_2_1_b = s_next_1_a - g->g[4];
-    const double arm_2_2_b = s_next_2_a - g->g[5];
-    const double t91 = g->e[3] * arm_2_0_b + g->e[4] * arm_2_1_b + g->e[5] * arm_2_2_b;
-    const double p_2_0_c = arm_2_0_b - g->e[3] * t91; /* (2.52) */
-    const double p_2_1_c = arm_2_1_b - g->e[4] * t91;
-    const double p_2_2_c = arm_2_2_b - g->e[5] * t91;
-    const double arm_3_0_b = s_next_0_a - g->g[6]; /* s - g_k */
-    const double arm_3_1_b = s_next_1_a - g->g[7];
-    const double arm_3_2_b = s_next_2_a - g->g[8];
-    const double t92 = g->e[6] * arm_3_0_b + g->e[7] * arm_3_1_b + g->e[8] * arm_3_2_b;
-    const double p_3_0_c = arm_3_0_b - g->e[6] * t92; /* (2.52) */
-    const double p_3_1_c = arm_3_1_b - g->e[7] * t92;
-    const double p_3_2_c = arm_3_2_b - g->e[8] * t92;
+    const double arm_1_0_b = s_next_0_a - g->g[0][i]; /* s - g_k */
+    const double arm_1_1_b = s_next_1_a - g->g[1][i];
+    const double arm_1_2_b = s_next_2_a - g->g[2][i];
+    const double t90 = g->e[0][i] * arm_1_0_b + g->e[1][i] * arm_1_1_b + g->e[2][i] * arm_1_2_b;
+    const double p_1_0_b = arm_1_0_b - g->e[0][i] * t90; /* (2.52) */
+    const double p_1_1_b = arm_1_1_b - g->e[1][i] * t90;
+    const double p_1_2_b = arm_1_2_b - g->e[2][i] * t90;
+    const double arm_2_0_b = s_next_0_a - g->g[3][i]; /* s - g_k */
+    const double arm_2_1_b = s_next_1_a - g->g[4][i];
+    const double arm_2_2_b = s_next_2_a - g->g[5][i];
+    const double t91 = g->e[3][i] * arm_2_0_b + g->e[4][i] * arm_2_1_b + g->e[5][i] * arm_2_2_b;
+    const double p_2_0_c = arm_2_0_b - g->e[3][i] * t91; /* (2.52) */
+    const double p_2_1_c = arm_2_1_b - g->e[4][i] * t91;
+    const double p_2_2_c = arm_2_2_b - g->e[5][i] * t91;
+    const double arm_3_0_b = s_next_0_a - g->g[6][i]; /* s - g_k */
+    const double arm_3_1_b = s_next_1_a - g->g[7][i];
+    const double arm_3_2_b = s_next_2_a - g->g[8][i];
+    const double t92 = g->e[6][i] * arm_3_0_b + g->e[7][i] * arm_3_1_b + g->e[8][i] * arm_3_2_b;
+    const double p_3_0_c = arm_3_0_b - g->e[6][i] * t92; /* (2.52) */
+    const double p_3_1_c = arm_3_1_b - g->e[7][i] * t92;
+    const double p_3_2_c = arm_3_2_b - g->e[8][i] * t92;
     const double t93 = p_1_0_b * (p_2_1_c * p_3_2_c - p_2_2_c * p_3_1_c) + p_1_1_b * (p_2_2_c * p_3_0_c - p_2_0_c * p_3_2_c);
     const double t94 = p_1_0_b * p_1_0_b + p_1_1_b * p_1_1_b + p_1_2_b * p_1_2_b - t18;
     const double t95 = p_2_0_c * p_2_0_c + p_2_1_c * p_2_1_c + p_2_2_c * p_2_2_c - t12;
@@ -606,30 +606,30 @@ static inline void krhpr_subleg_cpr3_at_root(
 /* Actuated joints of the (3-CPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root) */
 static inline void krhpr_subleg_cpr3_inverse(
-    const krhpr_subleg_cpr3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double arm_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double arm_1_1 = s[1] - g->g[1];
-    const double arm_1_2 = s[2] - g->g[2];
-    const double t1 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
-    const double p_1_0 = arm_1_0 - g->e[0] * t1; /* (2.52) */
-    const double p_1_1 = arm_1_1 - g->e[1] * t1;
-    const double p_1_2 = arm_1_2 - g->e[2] * t1;
-    const double arm_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double arm_2_1 = s[1] - g->g[4];
-    const double arm_2_2 = s[2] - g->g[5];
-    const double t2 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
-    const double p_2_0 = arm_2_0 - g->e[3] * t2; /* (2.52) */
-    const double p_2_1 = arm_2_1 - g->e[4] * t2;
-    const double p_2_2 = arm_2_2 - g->e[5] * t2;
-    const double arm_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double arm_3_1 = s[1] - g->g[7];
-    const double arm_3_2 = s[2] - g->g[8];
-    const double t3 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
-    const double p_3_0 = arm_3_0 - g->e[6] * t3; /* (2.52) */
-    const double p_3_1 = arm_3_1 - g->e[7] * t3;
-    const double p_3_2 = arm_3_2 - g->e[8] * t3;
+    const double arm_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double arm_1_1 = s[1] - g->g[1][i];
+    const double arm_1_2 = s[2] - g->g[2][i];
+    const double t1 = g->e[0][i] * arm_1_0 + g->e[1][i] * arm_1_1 + g->e[2][i] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0][i] * t1; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1][i] * t1;
+    const double p_1_2 = arm_1_2 - g->e[2][i] * t1;
+    const double arm_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double arm_2_1 = s[1] - g->g[4][i];
+    const double arm_2_2 = s[2] - g->g[5][i];
+    const double t2 = g->e[3][i] * arm_2_0 + g->e[4][i] * arm_2_1 + g->e[5][i] * arm_2_2;
+    const double p_2_0 = arm_2_0 - g->e[3][i] * t2; /* (2.52) */
+    const double p_2_1 = arm_2_1 - g->e[4][i] * t2;
+    const double p_2_2 = arm_2_2 - g->e[5][i] * t2;
+    const double arm_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double arm_3_1 = s[1] - g->g[7][i];
+    const double arm_3_2 = s[2] - g->g[8][i];
+    const double t3 = g->e[6][i] * arm_3_0 + g->e[7][i] * arm_3_1 + g->e[8][i] * arm_3_2;
+    const double p_3_0 = arm_3_0 - g->e[6][i] * t3; /* (2.52) */
+    const double p_3_1 = arm_3_1 - g->e[7][i] * t3;
+    const double p_3_2 = arm_3_2 - g->e[8][i] * t3;
     theta[0] = sqrt(p_1_0 * p_1_0 + p_1_1 * p_1_1 + p_1_2 * p_1_2);
     theta[1] = sqrt(p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2);
     theta[2] = sqrt(p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2);
@@ -639,30 +639,30 @@ static inline void krhpr_subleg_cpr3_inverse(
 /* Every working mode of the (3-CPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.3.  (30 add, 27 multiply, 3 square root) */
 static inline void krhpr_subleg_cpr3_inverse_all(
-    const krhpr_subleg_cpr3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double arm_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double arm_1_1 = s[1] - g->g[1];
-    const double arm_1_2 = s[2] - g->g[2];
-    const double t1 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
-    const double p_1_0 = arm_1_0 - g->e[0] * t1; /* (2.52) */
-    const double p_1_1 = arm_1_1 - g->e[1] * t1;
-    const double p_1_2 = arm_1_2 - g->e[2] * t1;
-    const double arm_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double arm_2_1 = s[1] - g->g[4];
-    const double arm_2_2 = s[2] - g->g[5];
-    const double t2 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
-    const double p_2_0 = arm_2_0 - g->e[3] * t2; /* (2.52) */
-    const double p_2_1 = arm_2_1 - g->e[4] * t2;
-    const double p_2_2 = arm_2_2 - g->e[5] * t2;
-    const double arm_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double arm_3_1 = s[1] - g->g[7];
-    const double arm_3_2 = s[2] - g->g[8];
-    const double t3 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
-    const double p_3_0 = arm_3_0 - g->e[6] * t3; /* (2.52) */
-    const double p_3_1 = arm_3_1 - g->e[7] * t3;
-    const double p_3_2 = arm_3_2 - g->e[8] * t3;
+    const double arm_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double arm_1_1 = s[1] - g->g[1][i];
+    const double arm_1_2 = s[2] - g->g[2][i];
+    const double t1 = g->e[0][i] * arm_1_0 + g->e[1][i] * arm_1_1 + g->e[2][i] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0][i] * t1; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1][i] * t1;
+    const double p_1_2 = arm_1_2 - g->e[2][i] * t1;
+    const double arm_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double arm_2_1 = s[1] - g->g[4][i];
+    const double arm_2_2 = s[2] - g->g[5][i];
+    const double t2 = g->e[3][i] * arm_2_0 + g->e[4][i] * arm_2_1 + g->e[5][i] * arm_2_2;
+    const double p_2_0 = arm_2_0 - g->e[3][i] * t2; /* (2.52) */
+    const double p_2_1 = arm_2_1 - g->e[4][i] * t2;
+    const double p_2_2 = arm_2_2 - g->e[5][i] * t2;
+    const double arm_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double arm_3_1 = s[1] - g->g[7][i];
+    const double arm_3_2 = s[2] - g->g[8][i];
+    const double t3 = g->e[6][i] * arm_3_0 + g->e[7][i] * arm_3_1 + g->e[8][i] * arm_3_2;
+    const double p_3_0 = arm_3_0 - g->e[6][i] * t3; /* (2.52) */
+    const double p_3_1 = arm_3_1 - g->e[7][i] * t3;
+    const double p_3_2 = arm_3_2 - g->e[8][i] * t3;
     theta[0] = sqrt(p_1_0 * p_1_0 + p_1_1 * p_1_1 + p_1_2 * p_1_2);
     theta[1] = sqrt(p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2);
     theta[2] = sqrt(p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2);
@@ -670,39 +670,41 @@ static inline void krhpr_subleg_cpr3_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the (3-CPR) sub-leg.  (no operations) */
-static inline void krhpr_subleg_cpr3_reach(const krhpr_subleg_cpr3_geometry *g, double *KRHPR_RESTRICT excess)
+static inline void krhpr_subleg_cpr3_reach(
+    const krhpr_subleg_cpr3_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     *excess = 0.0;
 }
 
 /* Posture of the (3-CPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
  * add, 18 multiply) */
 static inline void krhpr_subleg_cpr3_posture(
-    const krhpr_subleg_cpr3_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT w,
-    double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT travel)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], const double theta[3],
+    double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT travel)
 {
-    const double arm_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double arm_1_1 = s[1] - g->g[1];
-    const double arm_1_2 = s[2] - g->g[2];
-    const double travel_0 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
-    const double p_1_0 = arm_1_0 - g->e[0] * travel_0; /* (2.52) */
-    const double p_1_1 = arm_1_1 - g->e[1] * travel_0;
-    const double p_1_2 = arm_1_2 - g->e[2] * travel_0;
-    const double arm_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double arm_2_1 = s[1] - g->g[4];
-    const double arm_2_2 = s[2] - g->g[5];
-    const double travel_1 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
-    const double p_2_0 = arm_2_0 - g->e[3] * travel_1; /* (2.52) */
-    const double p_2_1 = arm_2_1 - g->e[4] * travel_1;
-    const double p_2_2 = arm_2_2 - g->e[5] * travel_1;
-    const double arm_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double arm_3_1 = s[1] - g->g[7];
-    const double arm_3_2 = s[2] - g->g[8];
-    const double travel_2 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
-    const double p_3_0 = arm_3_0 - g->e[6] * travel_2; /* (2.52) */
-    const double p_3_1 = arm_3_1 - g->e[7] * travel_2;
-    const double p_3_2 = arm_3_2 - g->e[8] * travel_2;
+    const double arm_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double arm_1_1 = s[1] - g->g[1][i];
+    const double arm_1_2 = s[2] - g->g[2][i];
+    const double travel_0 = g->e[0][i] * arm_1_0 + g->e[1][i] * arm_1_1 + g->e[2][i] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0][i] * travel_0; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1][i] * travel_0;
+    const double p_1_2 = arm_1_2 - g->e[2][i] * travel_0;
+    const double arm_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double arm_2_1 = s[1] - g->g[4][i];
+    const double arm_2_2 = s[2] - g->g[5][i];
+    const double travel_1 = g->e[3][i] * arm_2_0 + g->e[4][i] * arm_2_1 + g->e[5][i] * arm_2_2;
+    const double p_2_0 = arm_2_0 - g->e[3][i] * travel_1; /* (2.52) */
+    const double p_2_1 = arm_2_1 - g->e[4][i] * travel_1;
+    const double p_2_2 = arm_2_2 - g->e[5][i] * travel_1;
+    const double arm_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double arm_3_1 = s[1] - g->g[7][i];
+    const double arm_3_2 = s[2] - g->g[8][i];
+    const double travel_2 = g->e[6][i] * arm_3_0 + g->e[7][i] * arm_3_1 + g->e[8][i] * arm_3_2;
+    const double p_3_0 = arm_3_0 - g->e[6][i] * travel_2; /* (2.52) */
+    const double p_3_1 = arm_3_1 - g->e[7][i] * travel_2;
+    const double p_3_2 = arm_3_2 - g->e[8][i] * travel_2;
     w[0] = p_1_0;
     w[1] = p_1_1;
     w[2] = p_1_2;
@@ -723,8 +725,8 @@ static inline void krhpr_subleg_cpr3_posture(
 /* Jacobian M_i of the (3-CPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
 static inline void krhpr_subleg_cpr3_jacobian(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT M,
-    double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
+    double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
     const double t2 = w[5] * w[6] - w[3] * w[8];
@@ -749,13 +751,13 @@ static inline void krhpr_subleg_cpr3_jacobian(
     M[6] = m_20;
     M[7] = m_21;
     M[8] = m_22;
-    *regularity = fabs(volume * g->k[44]);
+    *regularity = fabs(volume * g->k[44][i]);
 }
 
 /* Rows of K: N M_i for the (3-CPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_cpr3_project(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], const double N[6],
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3], const double N[6],
     double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
@@ -778,14 +780,14 @@ static inline void krhpr_subleg_cpr3_project(
     K[3] = N[3] * m_00 + N[4] * m_10 + N[5] * m_20;
     K[4] = N[3] * m_01 + N[4] * m_11 + N[5] * m_21;
     K[5] = N[3] * m_02 + N[4] * m_12 + N[5] * m_22;
-    *regularity = fabs(volume * g->k[44]);
+    *regularity = fabs(volume * g->k[44][i]);
 }
 
 /* Velocity of the end point of the (3-CPR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_cpr3_velocity(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], const double theta_dot[3],
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
+    const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
     const double t2 = w[5] * w[6] - w[3] * w[8];
@@ -804,37 +806,38 @@ static inline void krhpr_subleg_cpr3_velocity(
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     s_dot[2] = v_l_2;
-    *regularity = fabs(volume * g->k[44]);
+    *regularity = fabs(volume * g->k[44][i]);
 }
 
 /* Velocity of the end point of the (3-CPR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (106 add, 142 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_cpr3_bias(
-    const krhpr_subleg_cpr3_geometry *g, const double s[3], const double theta[3], const double theta_dot[3],
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], const double theta[3],
+    const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
+    double *KRHPR_RESTRICT regularity)
 {
-    const double arm_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double arm_1_1 = s[1] - g->g[1];
-    const double arm_1_2 = s[2] - g->g[2];
-    const double travel_0 = g->e[0] * arm_1_0 + g->e[1] * arm_1_1 + g->e[2] * arm_1_2;
-    const double p_1_0 = arm_1_0 - g->e[0] * travel_0; /* (2.52) */
-    const double p_1_1 = arm_1_1 - g->e[1] * travel_0;
-    const double p_1_2 = arm_1_2 - g->e[2] * travel_0;
-    const double arm_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double arm_2_1 = s[1] - g->g[4];
-    const double arm_2_2 = s[2] - g->g[5];
-    const double travel_1 = g->e[3] * arm_2_0 + g->e[4] * arm_2_1 + g->e[5] * arm_2_2;
-    const double p_2_0 = arm_2_0 - g->e[3] * travel_1; /* (2.52) */
-    const double p_2_1 = arm_2_1 - g->e[4] * travel_1;
-    const double p_2_2 = arm_2_2 - g->e[5] * travel_1;
-    const double arm_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double arm_3_1 = s[1] - g->g[7];
-    const double arm_3_2 = s[2] - g->g[8];
-    const double travel_2 = g->e[6] * arm_3_0 + g->e[7] * arm_3_1 + g->e[8] * arm_3_2;
-    const double p_3_0 = arm_3_0 - g->e[6] * travel_2; /* (2.52) */
-    const double p_3_1 = arm_3_1 - g->e[7] * travel_2;
-    const double p_3_2 = arm_3_2 - g->e[8] * travel_2;
+    const double arm_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double arm_1_1 = s[1] - g->g[1][i];
+    const double arm_1_2 = s[2] - g->g[2][i];
+    const double travel_0 = g->e[0][i] * arm_1_0 + g->e[1][i] * arm_1_1 + g->e[2][i] * arm_1_2;
+    const double p_1_0 = arm_1_0 - g->e[0][i] * travel_0; /* (2.52) */
+    const double p_1_1 = arm_1_1 - g->e[1][i] * travel_0;
+    const double p_1_2 = arm_1_2 - g->e[2][i] * travel_0;
+    const double arm_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double arm_2_1 = s[1] - g->g[4][i];
+    const double arm_2_2 = s[2] - g->g[5][i];
+    const double travel_1 = g->e[3][i] * arm_2_0 + g->e[4][i] * arm_2_1 + g->e[5][i] * arm_2_2;
+    const double p_2_0 = arm_2_0 - g->e[3][i] * travel_1; /* (2.52) */
+    const double p_2_1 = arm_2_1 - g->e[4][i] * travel_1;
+    const double p_2_2 = arm_2_2 - g->e[5][i] * travel_1;
+    const double arm_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double arm_3_1 = s[1] - g->g[7][i];
+    const double arm_3_2 = s[2] - g->g[8][i];
+    const double travel_2 = g->e[6][i] * arm_3_0 + g->e[7][i] * arm_3_1 + g->e[8][i] * arm_3_2;
+    const double p_3_0 = arm_3_0 - g->e[6][i] * travel_2; /* (2.52) */
+    const double p_3_1 = arm_3_1 - g->e[7][i] * travel_2;
+    const double p_3_2 = arm_3_2 - g->e[8][i] * travel_2;
     const double t1 = p_2_1 * p_3_2 - p_2_2 * p_3_1;
     const double t2 = p_2_2 * p_3_0 - p_2_0 * p_3_2;
     const double t3 = p_2_0 * p_3_1 - p_2_1 * p_3_0;
@@ -852,18 +855,18 @@ static inline void krhpr_subleg_cpr3_bias(
     const double t12 = p_1_1 * p_3_0 - p_1_0 * p_3_1;
     const double t13 = p_1_0 * p_2_1 - p_1_1 * p_2_0;
     const double s_dot_2 = t9 * (t3 * t4 + t5 * t12 + t7 * t13);
-    const double t14 = g->e[0] * s_dot_0 + g->e[1] * s_dot_1 + g->e[2] * s_dot_2;
-    const double t15 = s_dot_0 - g->e[0] * t14;
-    const double t16 = s_dot_1 - g->e[1] * t14;
-    const double t17 = s_dot_2 - g->e[2] * t14;
-    const double t18 = g->e[3] * s_dot_0 + g->e[4] * s_dot_1 + g->e[5] * s_dot_2;
-    const double t19 = s_dot_0 - g->e[3] * t18;
-    const double t20 = s_dot_1 - g->e[4] * t18;
-    const double t21 = s_dot_2 - g->e[5] * t18;
-    const double t22 = g->e[6] * s_dot_0 + g->e[7] * s_dot_1 + g->e[8] * s_dot_2;
-    const double t23 = s_dot_0 - g->e[6] * t22;
-    const double t24 = s_dot_1 - g->e[7] * t22;
-    const double t25 = s_dot_2 - g->e[8] * t22;
+    const double t14 = g->e[0][i] * s_dot_0 + g->e[1][i] * s_dot_1 + g->e[2][i] * s_dot_2;
+    const double t15 = s_dot_0 - g->e[0][i] * t14;
+    const double t16 = s_dot_1 - g->e[1][i] * t14;
+    const double t17 = s_dot_2 - g->e[2][i] * t14;
+    const double t18 = g->e[3][i] * s_dot_0 + g->e[4][i] * s_dot_1 + g->e[5][i] * s_dot_2;
+    const double t19 = s_dot_0 - g->e[3][i] * t18;
+    const double t20 = s_dot_1 - g->e[4][i] * t18;
+    const double t21 = s_dot_2 - g->e[5][i] * t18;
+    const double t22 = g->e[6][i] * s_dot_0 + g->e[7][i] * s_dot_1 + g->e[8][i] * s_dot_2;
+    const double t23 = s_dot_0 - g->e[6][i] * t22;
+    const double t24 = s_dot_1 - g->e[7][i] * t22;
+    const double t25 = s_dot_2 - g->e[8][i] * t22;
     const double t26 = p_3_2 * t20 + p_2_1 * t25 - (p_3_1 * t21 + p_2_2 * t24);
     const double t27 = p_3_0 * t21 + p_2_2 * t23 - (p_3_2 * t19 + p_2_0 * t25);
     const double t28 = p_3_1 * t19 + p_2_0 * t24 - (p_3_0 * t20 + p_2_1 * t23);
@@ -883,19 +886,19 @@ static inline void krhpr_subleg_cpr3_bias(
     bias[0] = t9 * (t34 - s_dot_0 * t29);
     bias[1] = t9 * (t36 - s_dot_1 * t29);
     bias[2] = t9 * (t38 - s_dot_2 * t29);
-    *regularity = fabs(volume * g->k[44]);
+    *regularity = fabs(volume * g->k[44][i]);
 }
 
 /* Actuated joint rates of the (3-CPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_cpr3_rates(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], const double s_dot[3],
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
     const double w_1 = w[3] * s_dot[0] + w[4] * s_dot[1] + w[5] * s_dot[2];
     const double w_2 = w[6] * s_dot[0] + w[7] * s_dot[1] + w[8] * s_dot[2];
-    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[45]), fabs(b[1] * g->k[45])), fabs(b[2] * g->k[45]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[45][i]), fabs(b[1] * g->k[45][i])), fabs(b[2] * g->k[45][i]));
     theta_dot[0] = w_0 / b[0];
     theta_dot[1] = w_1 / b[1];
     theta_dot[2] = w_2 / b[2];
@@ -905,48 +908,50 @@ static inline void krhpr_subleg_cpr3_rates(
 /* det M_i of the (3-CPR) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_cpr3_determinant(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT det_M,
-    double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
+    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double volume = w[0] * (w[4] * w[8] - w[5] * w[7]) + w[1] * (w[5] * w[6] - w[3] * w[8]) + w[2] * (w[3] * w[7] - w[4] * w[6]);
     *det_M = b[2] * (b[0] * b[1]) / volume;
-    factors[0] = b[0] * g->k[45];
-    factors[1] = b[1] * g->k[45];
-    factors[2] = b[2] * g->k[45];
-    factors[3] = volume * g->k[44];
+    factors[0] = b[0] * g->k[45][i];
+    factors[1] = b[1] * g->k[45][i];
+    factors[2] = b[2] * g->k[45][i];
+    factors[3] = volume * g->k[44][i];
 }
 
 /* Passive joints of the (3-CPR) sub-leg and the orientation of its last link.  (12 add, 18 multiply, 3
  * arctangent) */
 static inline void krhpr_subleg_cpr3_passive(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double travel[3],
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double travel[3],
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT link)
 {
-    const double passive_0 = krhpr_atan2(w[0] * g->k[49] + w[1] * g->k[50] + w[2] * g->k[51], w[0] * g->k[46] + w[1] * g->k[47] + w[2] * g->k[48]);
-    const double passive_2 = krhpr_atan2(w[3] * g->k[55] + w[4] * g->k[56] + w[5] * g->k[57], w[3] * g->k[52] + w[4] * g->k[53] + w[5] * g->k[54]);
-    const double passive_4 = krhpr_atan2(w[6] * g->k[61] + w[7] * g->k[62] + w[8] * g->k[63], w[6] * g->k[58] + w[7] * g->k[59] + w[8] * g->k[60]);
+    const double passive_0 = krhpr_atan2(w[0] * g->k[49][i] + w[1] * g->k[50][i] + w[2] * g->k[51][i], w[0] * g->k[46][i] + w[1] * g->k[47][i] + w[2] * g->k[48][i]);
+    const double passive_2 = krhpr_atan2(w[3] * g->k[55][i] + w[4] * g->k[56][i] + w[5] * g->k[57][i], w[3] * g->k[52][i] + w[4] * g->k[53][i] + w[5] * g->k[54][i]);
+    const double passive_4 = krhpr_atan2(w[6] * g->k[61][i] + w[7] * g->k[62][i] + w[8] * g->k[63][i], w[6] * g->k[58][i] + w[7] * g->k[59][i] + w[8] * g->k[60][i]);
     passive[0] = passive_0;
     passive[1] = travel[0];
     passive[2] = passive_2;
     passive[3] = travel[1];
     passive[4] = passive_4;
     passive[5] = travel[2];
-    link[0] = g->e_x[0];
-    link[1] = g->e_1[0];
-    link[2] = g->e_t[0];
-    link[3] = g->e_x[1];
-    link[4] = g->e_1[1];
-    link[5] = g->e_t[1];
-    link[6] = g->e_x[2];
-    link[7] = g->e_1[2];
+    link[0] = g->e_x[0][i];
+    link[1] = g->e_1[0][i];
+    link[2] = g->e_t[0][i];
+    link[3] = g->e_x[1][i];
+    link[4] = g->e_1[1][i];
+    link[5] = g->e_t[1][i];
+    link[6] = g->e_x[2][i];
+    link[7] = g->e_1[2][i];
     link[8] = 0.0;
 }
 
 /* Joints of the (3-CPR) sub-leg, from the base to S_i.  (9 add) */
 static inline void krhpr_subleg_cpr3_points(
-    const krhpr_subleg_cpr3_geometry *g, const double w[9], const double s[3], double *KRHPR_RESTRICT points)
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double s[3],
+    double *KRHPR_RESTRICT points)
 {
     (void)(g);
+    (void)(i);
     points[0] = s[0] - w[0];
     points[1] = s[1] - w[1];
     points[2] = s[2] - w[2];

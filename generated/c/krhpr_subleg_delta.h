@@ -12,86 +12,86 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_delta_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_delta_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double r_g; /* radius of the circle of the centres g_k about c (m) */
-    double L; /* arms (m) */
-    double R; /* parallelograms (m) */
-    double a_1; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
-    double a_2; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
-    double a_3; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double g[9]; /* centres g_k, a row for each chain */
-    double x[9]; /* radial directions x_k */
-    double k[5]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double r_g[KRHPR_PLACES]; /* radius of the circle of the centres g_k about c (m) */
+    double L[KRHPR_PLACES]; /* arms (m) */
+    double R[KRHPR_PLACES]; /* parallelograms (m) */
+    double a_1[KRHPR_PLACES]; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
+    double a_2[KRHPR_PLACES]; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
+    double a_3[KRHPR_PLACES]; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double g[9][KRHPR_PLACES]; /* centres g_k, a row for each chain */
+    double x[9][KRHPR_PLACES]; /* radial directions x_k */
+    double k[5][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_delta_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (17 add, 37 multiply, 3 divide, 5 sine
  * cosine) */
-static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g)
+static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->R_b * e_t_1;
-    const double t5 = g->R_b * e_r_1;
-    const double c_2 = g->l_1 * e_1_2;
-    const double c_0 = t4 - t1 * (g->l_1 * e_t_1);
-    const double c_1 = t5 - t1 * (g->l_1 * e_r_1);
-    double t6, t7; krhpr_sincos(g->a_1, &t6, &t7);
+    const double t4 = g->R_b[i] * e_t_1;
+    const double t5 = g->R_b[i] * e_r_1;
+    const double c_2 = g->l_1[i] * e_1_2;
+    const double c_0 = t4 - t1 * (g->l_1[i] * e_t_1);
+    const double c_1 = t5 - t1 * (g->l_1[i] * e_r_1);
+    double t6, t7; krhpr_sincos(g->a_1[i], &t6, &t7);
     const double x_1_0 = e_t_1 * t7 - e_r_1 * t6;
     const double x_1_1 = e_r_1 * t7 + e_t_1 * t6;
-    double t8, t9; krhpr_sincos(g->a_2, &t8, &t9);
+    double t8, t9; krhpr_sincos(g->a_2[i], &t8, &t9);
     const double x_2_0 = e_t_1 * t9 - e_r_1 * t8;
     const double x_2_1 = e_r_1 * t9 + e_t_1 * t8;
-    double t10, t11; krhpr_sincos(g->a_3, &t10, &t11);
+    double t10, t11; krhpr_sincos(g->a_3[i], &t10, &t11);
     const double x_3_0 = e_t_1 * t11 - e_r_1 * t10;
     const double x_3_1 = e_r_1 * t11 + e_t_1 * t10;
-    const double k_0 = g->R * g->R;
-    g->c[0] = t4 - g->l_1 * t2;
-    g->c[1] = t5 - g->l_1 * t3;
-    g->c[2] = c_2;
-    g->e_x[0] = -e_t_1 * e_1_2;
-    g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->g[0] = c_0 + g->r_g * x_1_0;
-    g->g[1] = c_1 + g->r_g * x_1_1;
-    g->g[2] = c_2;
-    g->g[3] = c_0 + g->r_g * x_2_0;
-    g->g[4] = c_1 + g->r_g * x_2_1;
-    g->g[5] = c_2;
-    g->g[6] = c_0 + g->r_g * x_3_0;
-    g->g[7] = c_1 + g->r_g * x_3_1;
-    g->g[8] = c_2;
-    g->x[0] = x_1_0;
-    g->x[1] = x_1_1;
-    g->x[2] = 0.0;
-    g->x[3] = x_2_0;
-    g->x[4] = x_2_1;
-    g->x[5] = 0.0;
-    g->x[6] = x_3_0;
-    g->x[7] = x_3_1;
-    g->x[8] = 0.0;
-    g->k[0] = k_0;
-    g->k[1] = g->L * g->L;
-    g->k[2] = 1.0 / g->L;
-    g->k[3] = 1.0 / (g->R * k_0);
-    g->k[4] = 1.0 / (g->L * g->R);
+    const double k_0 = g->R[i] * g->R[i];
+    g->c[0][i] = t4 - g->l_1[i] * t2;
+    g->c[1][i] = t5 - g->l_1[i] * t3;
+    g->c[2][i] = c_2;
+    g->e_x[0][i] = -e_t_1 * e_1_2;
+    g->e_x[1][i] = -e_r_1 * e_1_2;
+    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->g[0][i] = c_0 + g->r_g[i] * x_1_0;
+    g->g[1][i] = c_1 + g->r_g[i] * x_1_1;
+    g->g[2][i] = c_2;
+    g->g[3][i] = c_0 + g->r_g[i] * x_2_0;
+    g->g[4][i] = c_1 + g->r_g[i] * x_2_1;
+    g->g[5][i] = c_2;
+    g->g[6][i] = c_0 + g->r_g[i] * x_3_0;
+    g->g[7][i] = c_1 + g->r_g[i] * x_3_1;
+    g->g[8][i] = c_2;
+    g->x[0][i] = x_1_0;
+    g->x[1][i] = x_1_1;
+    g->x[2][i] = 0.0;
+    g->x[3][i] = x_2_0;
+    g->x[4][i] = x_2_1;
+    g->x[5][i] = 0.0;
+    g->x[6][i] = x_3_0;
+    g->x[7][i] = x_3_1;
+    g->x[8][i] = 0.0;
+    g->k[0][i] = k_0;
+    g->k[1][i] = g->L[i] * g->L[i];
+    g->k[2][i] = 1.0 / g->L[i];
+    g->k[3][i] = 1.0 / (g->R[i] * k_0);
+    g->k[4][i] = 1.0 / (g->L[i] * g->R[i]);
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -105,21 +105,21 @@ static inline void krhpr_subleg_delta_forward_angles(const double theta[3], doub
 /* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply, 2 divide,
  * 1 square root, 1 select) */
 static inline void krhpr_subleg_delta_forward(
-    const krhpr_subleg_delta_geometry *g, const double s_near[3], const double sine[3],
+    const krhpr_subleg_delta_geometry *g, int i, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double t1 = g->L * cosine[0];
-    const double k_1_0 = g->g[0] + g->x[0] * t1; /* end of arm 1 */
-    const double k_1_1 = g->g[1] + g->x[1] * t1;
-    const double k_1_2 = g->g[2] + g->L * sine[0];
-    const double t2 = g->L * cosine[1];
-    const double k_2_0 = g->g[3] + g->x[3] * t2; /* end of arm 2 */
-    const double k_2_1 = g->g[4] + g->x[4] * t2;
-    const double k_2_2 = g->g[5] + g->L * sine[1];
-    const double t3 = g->L * cosine[2];
-    const double k_3_0 = g->g[6] + g->x[6] * t3; /* end of arm 3 */
-    const double k_3_1 = g->g[7] + g->x[7] * t3;
-    const double k_3_2 = g->g[8] + g->L * sine[2];
+    const double t1 = g->L[i] * cosine[0];
+    const double k_1_0 = g->g[0][i] + g->x[0][i] * t1; /* end of arm 1 */
+    const double k_1_1 = g->g[1][i] + g->x[1][i] * t1;
+    const double k_1_2 = g->g[2][i] + g->L[i] * sine[0];
+    const double t2 = g->L[i] * cosine[1];
+    const double k_2_0 = g->g[3][i] + g->x[3][i] * t2; /* end of arm 2 */
+    const double k_2_1 = g->g[4][i] + g->x[4][i] * t2;
+    const double k_2_2 = g->g[5][i] + g->L[i] * sine[1];
+    const double t3 = g->L[i] * cosine[2];
+    const double k_3_0 = g->g[6][i] + g->x[6][i] * t3; /* end of arm 3 */
+    const double k_3_1 = g->g[7][i] + g->x[7][i] * t3;
+    const double k_3_2 = g->g[8][i] + g->L[i] * sine[2];
     const double g_12_0 = k_2_0 - k_1_0;
     const double g_12_1 = k_2_1 - k_1_1;
     const double g_12_2 = k_2_2 - k_1_2;
@@ -136,7 +136,7 @@ static inline void krhpr_subleg_delta_forward(
     const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
     const double foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
     const double foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
-    const double h2 = t4 * (g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double h2 = t4 * (g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
     const double t5 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
     const double height = t5 * sqrt(h2) / fabs(t5);
@@ -158,31 +158,31 @@ static inline void krhpr_subleg_delta_forward_posture_angles(
 /* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 83
  * multiply, 2 divide, 1 square root, 1 select) */
 static inline void krhpr_subleg_delta_forward_posture(
-    const krhpr_subleg_delta_geometry *g, const double s_near[3], const double sine[3],
+    const krhpr_subleg_delta_geometry *g, int i, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT u, double *KRHPR_RESTRICT radicand)
 {
-    const double t1 = g->L * cosine[0];
-    const double t2 = g->x[0] * t1;
-    const double k_1_0 = g->g[0] + t2; /* end of arm 1 */
-    const double t3 = g->x[1] * t1;
-    const double k_1_1 = g->g[1] + t3; /* end of arm 1 */
-    const double t4 = g->L * sine[0];
-    const double k_1_2 = g->g[2] + t4; /* end of arm 1 */
-    const double t5 = g->L * cosine[1];
-    const double t6 = g->x[3] * t5;
-    const double k_2_0 = g->g[3] + t6; /* end of arm 2 */
-    const double t7 = g->x[4] * t5;
-    const double k_2_1 = g->g[4] + t7; /* end of arm 2 */
-    const double t8 = g->L * sine[1];
-    const double k_2_2 = g->g[5] + t8; /* end of arm 2 */
-    const double t9 = g->L * cosine[2];
-    const double t10 = g->x[6] * t9;
-    const double k_3_0 = g->g[6] + t10; /* end of arm 3 */
-    const double t11 = g->x[7] * t9;
-    const double k_3_1 = g->g[7] + t11; /* end of arm 3 */
-    const double t12 = g->L * sine[2];
-    const double k_3_2 = g->g[8] + t12; /* end of arm 3 */
+    const double t1 = g->L[i] * cosine[0];
+    const double t2 = g->x[0][i] * t1;
+    const double k_1_0 = g->g[0][i] + t2; /* end of arm 1 */
+    const double t3 = g->x[1][i] * t1;
+    const double k_1_1 = g->g[1][i] + t3; /* end of arm 1 */
+    const double t4 = g->L[i] * sine[0];
+    const double k_1_2 = g->g[2][i] + t4; /* end of arm 1 */
+    const double t5 = g->L[i] * cosine[1];
+    const double t6 = g->x[3][i] * t5;
+    const double k_2_0 = g->g[3][i] + t6; /* end of arm 2 */
+    const double t7 = g->x[4][i] * t5;
+    const double k_2_1 = g->g[4][i] + t7; /* end of arm 2 */
+    const double t8 = g->L[i] * sine[1];
+    const double k_2_2 = g->g[5][i] + t8; /* end of arm 2 */
+    const double t9 = g->L[i] * cosine[2];
+    const double t10 = g->x[6][i] * t9;
+    const double k_3_0 = g->g[6][i] + t10; /* end of arm 3 */
+    const double t11 = g->x[7][i] * t9;
+    const double k_3_1 = g->g[7][i] + t11; /* end of arm 3 */
+    const double t12 = g->L[i] * sine[2];
+    const double k_3_2 = g->g[8][i] + t12; /* end of arm 3 */
     const double g_12_0 = k_2_0 - k_1_0;
     const double g_12_1 = k_2_1 - k_1_1;
     const double g_12_2 = k_2_2 - k_1_2;
@@ -199,25 +199,25 @@ static inline void krhpr_subleg_delta_forward_posture(
     const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t13; /* in the plane of the centres */
     const double foot_1 = t13 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
     const double foot_2 = t13 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
-    const double h2 = t13 * (g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double h2 = t13 * (g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
     const double t14 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
     const double height = t14 * sqrt(h2) / fabs(t14);
     const double s_0 = k_1_0 + foot_0 + n_0 * height;
     const double s_1 = k_1_1 + foot_1 + n_1 * height;
     const double s_2 = k_1_2 + foot_2 + n_2 * height;
-    const double w_1_0 = s_0 - g->g[0] - t2; /* parallelogram 1 */
-    const double w_1_1 = s_1 - g->g[1] - t3;
-    const double w_1_2 = s_2 - g->g[2] - t4;
-    const double w_2_0 = s_0 - g->g[3] - t6; /* parallelogram 2 */
-    const double w_2_1 = s_1 - g->g[4] - t7;
-    const double w_2_2 = s_2 - g->g[5] - t8;
-    const double w_3_0 = s_0 - g->g[6] - t10; /* parallelogram 3 */
-    const double w_3_1 = s_1 - g->g[7] - t11;
-    const double w_3_2 = s_2 - g->g[8] - t12;
-    const double b_0 = g->L * (cosine[0] * w_1_2 - w_1_0 * (g->x[0] * sine[0]) - w_1_1 * (g->x[1] * sine[0]));
-    const double b_1 = g->L * (cosine[1] * w_2_2 - w_2_0 * (g->x[3] * sine[1]) - w_2_1 * (g->x[4] * sine[1]));
-    const double b_2 = g->L * (cosine[2] * w_3_2 - w_3_0 * (g->x[6] * sine[2]) - w_3_1 * (g->x[7] * sine[2]));
+    const double w_1_0 = s_0 - g->g[0][i] - t2; /* parallelogram 1 */
+    const double w_1_1 = s_1 - g->g[1][i] - t3;
+    const double w_1_2 = s_2 - g->g[2][i] - t4;
+    const double w_2_0 = s_0 - g->g[3][i] - t6; /* parallelogram 2 */
+    const double w_2_1 = s_1 - g->g[4][i] - t7;
+    const double w_2_2 = s_2 - g->g[5][i] - t8;
+    const double w_3_0 = s_0 - g->g[6][i] - t10; /* parallelogram 3 */
+    const double w_3_1 = s_1 - g->g[7][i] - t11;
+    const double w_3_2 = s_2 - g->g[8][i] - t12;
+    const double t15 = cosine[0] * w_1_2 - w_1_0 * (g->x[0][i] * sine[0]) - w_1_1 * (g->x[1][i] * sine[0]);
+    const double t16 = cosine[1] * w_2_2 - w_2_0 * (g->x[3][i] * sine[1]) - w_2_1 * (g->x[4][i] * sine[1]);
+    const double t17 = cosine[2] * w_3_2 - w_3_0 * (g->x[6][i] * sine[2]) - w_3_1 * (g->x[7][i] * sine[2]);
     s[0] = s_0;
     s[1] = s_1;
     s[2] = s_2;
@@ -230,9 +230,9 @@ static inline void krhpr_subleg_delta_forward_posture(
     w[6] = w_3_0;
     w[7] = w_3_1;
     w[8] = w_3_2;
-    b[0] = b_0;
-    b[1] = b_1;
-    b[2] = b_2;
+    b[0] = g->L[i] * t15;
+    b[1] = g->L[i] * t16;
+    b[2] = g->L[i] * t17;
     u[0] = cosine[0];
     u[1] = sine[0];
     u[2] = cosine[1];
@@ -253,21 +253,21 @@ static inline void krhpr_subleg_delta_forward_all_angles(const double theta[3], 
 /* End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the normal; NaN
  * where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_delta_forward_all(
-    const krhpr_subleg_delta_geometry *g, const double sine[3], const double cosine[3],
+    const krhpr_subleg_delta_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double t1 = g->L * cosine[0];
-    const double k_1_0 = g->g[0] + g->x[0] * t1; /* end of arm 1 */
-    const double k_1_1 = g->g[1] + g->x[1] * t1;
-    const double k_1_2 = g->g[2] + g->L * sine[0];
-    const double t2 = g->L * cosine[1];
-    const double k_2_0 = g->g[3] + g->x[3] * t2; /* end of arm 2 */
-    const double k_2_1 = g->g[4] + g->x[4] * t2;
-    const double k_2_2 = g->g[5] + g->L * sine[1];
-    const double t3 = g->L * cosine[2];
-    const double k_3_0 = g->g[6] + g->x[6] * t3; /* end of arm 3 */
-    const double k_3_1 = g->g[7] + g->x[7] * t3;
-    const double k_3_2 = g->g[8] + g->L * sine[2];
+    const double t1 = g->L[i] * cosine[0];
+    const double k_1_0 = g->g[0][i] + g->x[0][i] * t1; /* end of arm 1 */
+    const double k_1_1 = g->g[1][i] + g->x[1][i] * t1;
+    const double k_1_2 = g->g[2][i] + g->L[i] * sine[0];
+    const double t2 = g->L[i] * cosine[1];
+    const double k_2_0 = g->g[3][i] + g->x[3][i] * t2; /* end of arm 2 */
+    const double k_2_1 = g->g[4][i] + g->x[4][i] * t2;
+    const double k_2_2 = g->g[5][i] + g->L[i] * sine[1];
+    const double t3 = g->L[i] * cosine[2];
+    const double k_3_0 = g->g[6][i] + g->x[6][i] * t3; /* end of arm 3 */
+    const double k_3_1 = g->g[7][i] + g->x[7][i] * t3;
+    const double k_3_2 = g->g[8][i] + g->L[i] * sine[2];
     const double g_12_0 = k_2_0 - k_1_0;
     const double g_12_1 = k_2_1 - k_1_1;
     const double g_12_2 = k_2_2 - k_1_2;
@@ -284,7 +284,7 @@ static inline void krhpr_subleg_delta_forward_all(
     const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
     const double foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
     const double foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
-    const double h2 = t4 * (g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double h2 = t4 * (g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double height = sqrt(h2);
     const double t5 = k_1_0 + foot_0;
     const double t6 = n_0 * height;
@@ -304,30 +304,30 @@ static inline void krhpr_subleg_delta_forward_all(
 /* Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 2 select) */
 static inline void krhpr_subleg_delta_inverse(
-    const krhpr_subleg_delta_geometry *g, const double s[3], const double mode[3],
+    const krhpr_subleg_delta_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double a_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double a_1_1 = s[1] - g->g[1];
-    const double a_1_2 = s[2] - g->g[2];
-    const double a_1x = g->x[0] * a_1_0 + g->x[1] * a_1_1;
+    const double a_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double a_1_1 = s[1] - g->g[1][i];
+    const double a_1_2 = s[2] - g->g[2][i];
+    const double a_1x = g->x[0][i] * a_1_0 + g->x[1][i] * a_1_1;
     const double t1 = a_1_2 * a_1_2;
     const double p_1 = t1 + a_1x * a_1x;
-    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1] - g->k[0]) * g->k[2];
-    const double a_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double a_2_1 = s[1] - g->g[4];
-    const double a_2_2 = s[2] - g->g[5];
-    const double a_2x = g->x[3] * a_2_0 + g->x[4] * a_2_1;
+    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1][i] - g->k[0][i]) * g->k[2][i];
+    const double a_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double a_2_1 = s[1] - g->g[4][i];
+    const double a_2_2 = s[2] - g->g[5][i];
+    const double a_2x = g->x[3][i] * a_2_0 + g->x[4][i] * a_2_1;
     const double t2 = a_2_2 * a_2_2;
     const double p_2 = t2 + a_2x * a_2x;
-    const double e_2 = g->k[2] * (0.5 * (g->k[1] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0]));
-    const double a_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double a_3_1 = s[1] - g->g[7];
-    const double a_3_2 = s[2] - g->g[8];
-    const double a_3x = g->x[6] * a_3_0 + g->x[7] * a_3_1;
+    const double e_2 = g->k[2][i] * (0.5 * (g->k[1][i] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0][i]));
+    const double a_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double a_3_1 = s[1] - g->g[7][i];
+    const double a_3_2 = s[2] - g->g[8][i];
+    const double a_3x = g->x[6][i] * a_3_0 + g->x[7][i] * a_3_1;
     const double t3 = a_3_2 * a_3_2;
     const double p_3 = t3 + a_3x * a_3x;
-    const double e_3 = g->k[2] * (0.5 * (g->k[1] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0]));
+    const double e_3 = g->k[2][i] * (0.5 * (g->k[1][i] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0][i]));
     const double t4 = p_1 - e_1 * e_1;
     const double t5 = sqrt(t4);
     const double t6 = p_2 - e_2 * e_2;
@@ -347,30 +347,30 @@ static inline void krhpr_subleg_delta_inverse(
  * 1-/2+/3-, 1-/2-/3+, 1-/2-/3-; NaN where a mode does not exist.  Thesis: 2.4.4.  (45 add, 42 multiply, 3
  * square root, 2 select) */
 static inline void krhpr_subleg_delta_inverse_all(
-    const krhpr_subleg_delta_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand,
+    const krhpr_subleg_delta_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double a_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double a_1_1 = s[1] - g->g[1];
-    const double a_1_2 = s[2] - g->g[2];
-    const double a_1x = g->x[0] * a_1_0 + g->x[1] * a_1_1;
+    const double a_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double a_1_1 = s[1] - g->g[1][i];
+    const double a_1_2 = s[2] - g->g[2][i];
+    const double a_1x = g->x[0][i] * a_1_0 + g->x[1][i] * a_1_1;
     const double t1 = a_1_2 * a_1_2;
     const double p_1 = t1 + a_1x * a_1x;
-    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1] - g->k[0]) * g->k[2];
-    const double a_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double a_2_1 = s[1] - g->g[4];
-    const double a_2_2 = s[2] - g->g[5];
-    const double a_2x = g->x[3] * a_2_0 + g->x[4] * a_2_1;
+    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1][i] - g->k[0][i]) * g->k[2][i];
+    const double a_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double a_2_1 = s[1] - g->g[4][i];
+    const double a_2_2 = s[2] - g->g[5][i];
+    const double a_2x = g->x[3][i] * a_2_0 + g->x[4][i] * a_2_1;
     const double t2 = a_2_2 * a_2_2;
     const double p_2 = t2 + a_2x * a_2x;
-    const double e_2 = g->k[2] * (0.5 * (g->k[1] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0]));
-    const double a_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double a_3_1 = s[1] - g->g[7];
-    const double a_3_2 = s[2] - g->g[8];
-    const double a_3x = g->x[6] * a_3_0 + g->x[7] * a_3_1;
+    const double e_2 = g->k[2][i] * (0.5 * (g->k[1][i] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0][i]));
+    const double a_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double a_3_1 = s[1] - g->g[7][i];
+    const double a_3_2 = s[2] - g->g[8][i];
+    const double a_3x = g->x[6][i] * a_3_0 + g->x[7][i] * a_3_1;
     const double t3 = a_3_2 * a_3_2;
     const double p_3 = t3 + a_3x * a_3x;
-    const double e_3 = g->k[2] * (0.5 * (g->k[1] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0]));
+    const double e_3 = g->k[2][i] * (0.5 * (g->k[1][i] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0][i]));
     const double t4 = a_1_2 * e_1;
     const double t5 = p_1 - e_1 * e_1;
     const double t6 = sqrt(t5);
@@ -396,37 +396,37 @@ static inline void krhpr_subleg_delta_inverse_all(
     tail_x[0] = t8 + a_1_2 * t6;
     tail_x[1] = t13 + a_2_2 * t11;
     tail_x[2] = t18 + a_3_2 * t16;
-    tail_x[3] = t18 + t16 * (g->g[8] - s[2]);
-    tail_x[4] = t13 + t11 * (g->g[5] - s[2]);
-    tail_x[5] = t8 + t6 * (g->g[2] - s[2]);
+    tail_x[3] = t18 + t16 * (g->g[8][i] - s[2]);
+    tail_x[4] = t13 + t11 * (g->g[5][i] - s[2]);
+    tail_x[5] = t8 + t6 * (g->g[2][i] - s[2]);
 }
 
 /* Distance by which the end point lies outside the reach of the (Delta) sub-leg.  (30 add, 24 multiply, 3
  * square root, 5 select) */
 static inline void krhpr_subleg_delta_reach(
-    const krhpr_subleg_delta_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_delta_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
-    const double a_1_0 = s[0] - g->g[0]; /* s - g_k */
-    const double a_1_1 = s[1] - g->g[1];
-    const double a_1_2 = s[2] - g->g[2];
-    const double a_1x = g->x[0] * a_1_0 + g->x[1] * a_1_1;
+    const double a_1_0 = s[0] - g->g[0][i]; /* s - g_k */
+    const double a_1_1 = s[1] - g->g[1][i];
+    const double a_1_2 = s[2] - g->g[2][i];
+    const double a_1x = g->x[0][i] * a_1_0 + g->x[1][i] * a_1_1;
     const double t1 = a_1_2 * a_1_2;
     const double p_1 = t1 + a_1x * a_1x;
-    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1] - g->k[0]) * g->k[2];
-    const double a_2_0 = s[0] - g->g[3]; /* s - g_k */
-    const double a_2_1 = s[1] - g->g[4];
-    const double a_2_2 = s[2] - g->g[5];
-    const double a_2x = g->x[3] * a_2_0 + g->x[4] * a_2_1;
+    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1][i] - g->k[0][i]) * g->k[2][i];
+    const double a_2_0 = s[0] - g->g[3][i]; /* s - g_k */
+    const double a_2_1 = s[1] - g->g[4][i];
+    const double a_2_2 = s[2] - g->g[5][i];
+    const double a_2x = g->x[3][i] * a_2_0 + g->x[4][i] * a_2_1;
     const double t2 = a_2_2 * a_2_2;
     const double p_2 = t2 + a_2x * a_2x;
-    const double e_2 = g->k[2] * (0.5 * (g->k[1] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0]));
-    const double a_3_0 = s[0] - g->g[6]; /* s - g_k */
-    const double a_3_1 = s[1] - g->g[7];
-    const double a_3_2 = s[2] - g->g[8];
-    const double a_3x = g->x[6] * a_3_0 + g->x[7] * a_3_1;
+    const double e_2 = g->k[2][i] * (0.5 * (g->k[1][i] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0][i]));
+    const double a_3_0 = s[0] - g->g[6][i]; /* s - g_k */
+    const double a_3_1 = s[1] - g->g[7][i];
+    const double a_3_2 = s[2] - g->g[8][i];
+    const double a_3x = g->x[6][i] * a_3_0 + g->x[7][i] * a_3_1;
     const double t3 = a_3_2 * a_3_2;
     const double p_3 = t3 + a_3x * a_3x;
-    const double e_3 = g->k[2] * (0.5 * (g->k[1] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0]));
+    const double e_3 = g->k[2][i] * (0.5 * (g->k[1][i] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0][i]));
     const double excess_a = krhpr_max(krhpr_max(fabs(e_1) - sqrt(p_1), fabs(e_2) - sqrt(p_2)), fabs(e_3) - sqrt(p_3));
     *excess = excess_a;
 }
@@ -442,24 +442,24 @@ static inline void krhpr_subleg_delta_posture_angles(const double theta[3], doub
 /* Posture of the (Delta) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
  * add, 30 multiply) */
 static inline void krhpr_subleg_delta_posture(
-    const krhpr_subleg_delta_geometry *g, const double s[3], const double sine[3], const double cosine[3],
-    double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT u)
+    const krhpr_subleg_delta_geometry *g, int i, const double s[3], const double sine[3],
+    const double cosine[3], double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT u)
 {
-    const double t1 = g->L * cosine[0];
-    const double w_1_0 = s[0] - g->g[0] - g->x[0] * t1; /* parallelogram 1 */
-    const double w_1_1 = s[1] - g->g[1] - g->x[1] * t1;
-    const double w_1_2 = s[2] - g->g[2] - g->L * sine[0];
-    const double t2 = g->L * cosine[1];
-    const double w_2_0 = s[0] - g->g[3] - g->x[3] * t2; /* parallelogram 2 */
-    const double w_2_1 = s[1] - g->g[4] - g->x[4] * t2;
-    const double w_2_2 = s[2] - g->g[5] - g->L * sine[1];
-    const double t3 = g->L * cosine[2];
-    const double w_3_0 = s[0] - g->g[6] - g->x[6] * t3; /* parallelogram 3 */
-    const double w_3_1 = s[1] - g->g[7] - g->x[7] * t3;
-    const double w_3_2 = s[2] - g->g[8] - g->L * sine[2];
-    const double b_0 = g->L * (cosine[0] * w_1_2 - w_1_0 * (g->x[0] * sine[0]) - w_1_1 * (g->x[1] * sine[0]));
-    const double b_1 = g->L * (cosine[1] * w_2_2 - w_2_0 * (g->x[3] * sine[1]) - w_2_1 * (g->x[4] * sine[1]));
-    const double b_2 = g->L * (cosine[2] * w_3_2 - w_3_0 * (g->x[6] * sine[2]) - w_3_1 * (g->x[7] * sine[2]));
+    const double t1 = g->L[i] * cosine[0];
+    const double w_1_0 = s[0] - g->g[0][i] - g->x[0][i] * t1; /* parallelogram 1 */
+    const double w_1_1 = s[1] - g->g[1][i] - g->x[1][i] * t1;
+    const double w_1_2 = s[2] - g->g[2][i] - g->L[i] * sine[0];
+    const double t2 = g->L[i] * cosine[1];
+    const double w_2_0 = s[0] - g->g[3][i] - g->x[3][i] * t2; /* parallelogram 2 */
+    const double w_2_1 = s[1] - g->g[4][i] - g->x[4][i] * t2;
+    const double w_2_2 = s[2] - g->g[5][i] - g->L[i] * sine[1];
+    const double t3 = g->L[i] * cosine[2];
+    const double w_3_0 = s[0] - g->g[6][i] - g->x[6][i] * t3; /* parallelogram 3 */
+    const double w_3_1 = s[1] - g->g[7][i] - g->x[7][i] * t3;
+    const double w_3_2 = s[2] - g->g[8][i] - g->L[i] * sine[2];
+    const double t4 = cosine[0] * w_1_2 - w_1_0 * (g->x[0][i] * sine[0]) - w_1_1 * (g->x[1][i] * sine[0]);
+    const double t5 = cosine[1] * w_2_2 - w_2_0 * (g->x[3][i] * sine[1]) - w_2_1 * (g->x[4][i] * sine[1]);
+    const double t6 = cosine[2] * w_3_2 - w_3_0 * (g->x[6][i] * sine[2]) - w_3_1 * (g->x[7][i] * sine[2]);
     w[0] = w_1_0;
     w[1] = w_1_1;
     w[2] = w_1_2;
@@ -469,9 +469,9 @@ static inline void krhpr_subleg_delta_posture(
     w[6] = w_3_0;
     w[7] = w_3_1;
     w[8] = w_3_2;
-    b[0] = b_0;
-    b[1] = b_1;
-    b[2] = b_2;
+    b[0] = g->L[i] * t4;
+    b[1] = g->L[i] * t5;
+    b[2] = g->L[i] * t6;
     u[0] = cosine[0];
     u[1] = sine[0];
     u[2] = cosine[1];
@@ -483,8 +483,8 @@ static inline void krhpr_subleg_delta_posture(
 /* Jacobian M_i of the (Delta) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
 static inline void krhpr_subleg_delta_jacobian(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT M,
-    double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3],
+    double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
     const double t2 = w[5] * w[6] - w[3] * w[8];
@@ -509,13 +509,13 @@ static inline void krhpr_subleg_delta_jacobian(
     M[6] = m_20;
     M[7] = m_21;
     M[8] = m_22;
-    *regularity = fabs(volume * g->k[3]);
+    *regularity = fabs(volume * g->k[3][i]);
 }
 
 /* Rows of K: N M_i for the (Delta) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_delta_project(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], const double N[6],
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3], const double N[6],
     double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
@@ -538,14 +538,14 @@ static inline void krhpr_subleg_delta_project(
     K[3] = N[3] * m_00 + N[4] * m_10 + N[5] * m_20;
     K[4] = N[3] * m_01 + N[4] * m_11 + N[5] * m_21;
     K[5] = N[3] * m_02 + N[4] * m_12 + N[5] * m_22;
-    *regularity = fabs(volume * g->k[3]);
+    *regularity = fabs(volume * g->k[3][i]);
 }
 
 /* Velocity of the end point of the (Delta) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_delta_velocity(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], const double theta_dot[3],
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3],
+    const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
     const double t2 = w[5] * w[6] - w[3] * w[8];
@@ -564,7 +564,7 @@ static inline void krhpr_subleg_delta_velocity(
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     s_dot[2] = v_l_2;
-    *regularity = fabs(volume * g->k[3]);
+    *regularity = fabs(volume * g->k[3][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -579,31 +579,31 @@ static inline void krhpr_subleg_delta_bias_angles(const double theta[3], double 
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (115 add, 181 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_delta_bias(
-    const krhpr_subleg_delta_geometry *g, const double s[3], const double theta_dot[3], const double sine[3],
-    const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
+    const krhpr_subleg_delta_geometry *g, int i, const double s[3], const double theta_dot[3],
+    const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
 {
-    const double t1 = g->L * cosine[0];
-    const double w_1_0 = s[0] - g->g[0] - g->x[0] * t1; /* parallelogram 1 */
-    const double w_1_1 = s[1] - g->g[1] - g->x[1] * t1;
-    const double w_1_2 = s[2] - g->g[2] - g->L * sine[0];
-    const double t2 = g->L * cosine[1];
-    const double w_2_0 = s[0] - g->g[3] - g->x[3] * t2; /* parallelogram 2 */
-    const double w_2_1 = s[1] - g->g[4] - g->x[4] * t2;
-    const double w_2_2 = s[2] - g->g[5] - g->L * sine[1];
-    const double t3 = g->L * cosine[2];
-    const double w_3_0 = s[0] - g->g[6] - g->x[6] * t3; /* parallelogram 3 */
-    const double w_3_1 = s[1] - g->g[7] - g->x[7] * t3;
-    const double w_3_2 = s[2] - g->g[8] - g->L * sine[2];
-    const double t4 = g->x[0] * sine[0];
-    const double t5 = g->x[1] * sine[0];
-    const double b_0 = g->L * (cosine[0] * w_1_2 - w_1_0 * t4 - w_1_1 * t5);
-    const double t6 = g->x[3] * sine[1];
-    const double t7 = g->x[4] * sine[1];
-    const double b_1 = g->L * (cosine[1] * w_2_2 - w_2_0 * t6 - w_2_1 * t7);
-    const double t8 = g->x[6] * sine[2];
-    const double t9 = g->x[7] * sine[2];
-    const double b_2 = g->L * (cosine[2] * w_3_2 - w_3_0 * t8 - w_3_1 * t9);
+    const double t1 = g->L[i] * cosine[0];
+    const double w_1_0 = s[0] - g->g[0][i] - g->x[0][i] * t1; /* parallelogram 1 */
+    const double w_1_1 = s[1] - g->g[1][i] - g->x[1][i] * t1;
+    const double w_1_2 = s[2] - g->g[2][i] - g->L[i] * sine[0];
+    const double t2 = g->L[i] * cosine[1];
+    const double w_2_0 = s[0] - g->g[3][i] - g->x[3][i] * t2; /* parallelogram 2 */
+    const double w_2_1 = s[1] - g->g[4][i] - g->x[4][i] * t2;
+    const double w_2_2 = s[2] - g->g[5][i] - g->L[i] * sine[1];
+    const double t3 = g->L[i] * cosine[2];
+    const double w_3_0 = s[0] - g->g[6][i] - g->x[6][i] * t3; /* parallelogram 3 */
+    const double w_3_1 = s[1] - g->g[7][i] - g->x[7][i] * t3;
+    const double w_3_2 = s[2] - g->g[8][i] - g->L[i] * sine[2];
+    const double t4 = g->x[0][i] * sine[0];
+    const double t5 = g->x[1][i] * sine[0];
+    const double b_0 = g->L[i] * (cosine[0] * w_1_2 - w_1_0 * t4 - w_1_1 * t5);
+    const double t6 = g->x[3][i] * sine[1];
+    const double t7 = g->x[4][i] * sine[1];
+    const double b_1 = g->L[i] * (cosine[1] * w_2_2 - w_2_0 * t6 - w_2_1 * t7);
+    const double t8 = g->x[6][i] * sine[2];
+    const double t9 = g->x[7][i] * sine[2];
+    const double b_2 = g->L[i] * (cosine[2] * w_3_2 - w_3_0 * t8 - w_3_1 * t9);
     const double t10 = w_2_1 * w_3_2 - w_2_2 * w_3_1;
     const double t11 = w_2_2 * w_3_0 - w_2_0 * w_3_2;
     const double t12 = w_2_0 * w_3_1 - w_2_1 * w_3_0;
@@ -627,29 +627,29 @@ static inline void krhpr_subleg_delta_bias(
     const double t26 = theta_dot[1] * cosine[1];
     const double t27 = theta_dot[2] * sine[2];
     const double t28 = theta_dot[2] * cosine[2];
-    const double t29 = g->L * t23;
-    const double t30 = s_dot_0 + g->x[0] * t29;
-    const double t31 = s_dot_1 + g->x[1] * t29;
-    const double t32 = s_dot_2 - g->L * t24;
-    const double t33 = g->L * t25;
-    const double t34 = s_dot_0 + g->x[3] * t33;
-    const double t35 = s_dot_1 + g->x[4] * t33;
-    const double t36 = s_dot_2 - g->L * t26;
-    const double t37 = g->L * t27;
-    const double t38 = s_dot_0 + g->x[6] * t37;
-    const double t39 = s_dot_1 + g->x[7] * t37;
-    const double t40 = s_dot_2 - g->L * t28;
-    const double t41 = cosine[0] * t32 - w_1_2 * t23 - (t4 * t30 + w_1_0 * (g->x[0] * t24)) - (t5 * t31 + w_1_1 * (g->x[1] * t24));
-    const double t42 = cosine[1] * t36 - w_2_2 * t25 - (t6 * t34 + w_2_0 * (g->x[3] * t26)) - (t7 * t35 + w_2_1 * (g->x[4] * t26));
-    const double t43 = cosine[2] * t40 - w_3_2 * t27 - (t8 * t38 + w_3_0 * (g->x[6] * t28)) - (t9 * t39 + w_3_1 * (g->x[7] * t28));
+    const double t29 = g->L[i] * t23;
+    const double t30 = s_dot_0 + g->x[0][i] * t29;
+    const double t31 = s_dot_1 + g->x[1][i] * t29;
+    const double t32 = s_dot_2 - g->L[i] * t24;
+    const double t33 = g->L[i] * t25;
+    const double t34 = s_dot_0 + g->x[3][i] * t33;
+    const double t35 = s_dot_1 + g->x[4][i] * t33;
+    const double t36 = s_dot_2 - g->L[i] * t26;
+    const double t37 = g->L[i] * t27;
+    const double t38 = s_dot_0 + g->x[6][i] * t37;
+    const double t39 = s_dot_1 + g->x[7][i] * t37;
+    const double t40 = s_dot_2 - g->L[i] * t28;
+    const double t41 = cosine[0] * t32 - w_1_2 * t23 - (t4 * t30 + w_1_0 * (g->x[0][i] * t24)) - (t5 * t31 + w_1_1 * (g->x[1][i] * t24));
+    const double t42 = cosine[1] * t36 - w_2_2 * t25 - (t6 * t34 + w_2_0 * (g->x[3][i] * t26)) - (t7 * t35 + w_2_1 * (g->x[4][i] * t26));
+    const double t43 = cosine[2] * t40 - w_3_2 * t27 - (t8 * t38 + w_3_0 * (g->x[6][i] * t28)) - (t9 * t39 + w_3_1 * (g->x[7][i] * t28));
     const double t44 = w_3_2 * t35 + w_2_1 * t40 - (w_3_1 * t36 + w_2_2 * t39);
     const double t45 = w_3_0 * t36 + w_2_2 * t38 - (w_3_2 * t34 + w_2_0 * t40);
     const double t46 = w_3_1 * t34 + w_2_0 * t39 - (w_3_0 * t35 + w_2_1 * t38);
     const double t47 = t10 * t30 + w_1_0 * t44 + (t11 * t31 + w_1_1 * t45) + (t12 * t32 + w_1_2 * t46);
-    const double t48 = theta_dot[0] * (g->L * t41);
-    const double t49 = theta_dot[1] * (g->L * t42);
+    const double t48 = theta_dot[0] * (g->L[i] * t41);
+    const double t49 = theta_dot[1] * (g->L[i] * t42);
     const double t50 = t13 * t44 + t10 * t48 + (t15 * t49 + t14 * (w_3_1 * t32 + w_1_2 * t39 - (w_3_2 * t31 + w_1_1 * t40)));
-    const double t51 = theta_dot[2] * (g->L * t43);
+    const double t51 = theta_dot[2] * (g->L[i] * t43);
     const double t52 = t50 + (t17 * t51 + t16 * (w_2_2 * t31 + w_1_1 * t36 - (w_2_1 * t32 + w_1_2 * t35)));
     const double t53 = t13 * t45 + t11 * t48 + (t19 * t49 + t14 * (w_3_2 * t30 + w_1_0 * t40 - (w_3_0 * t32 + w_1_2 * t38)));
     const double t54 = t53 + (t20 * t51 + t16 * (w_2_0 * t32 + w_1_2 * t34 - (w_2_2 * t30 + w_1_0 * t36)));
@@ -661,19 +661,19 @@ static inline void krhpr_subleg_delta_bias(
     bias[0] = t18 * (t52 - s_dot_0 * t47);
     bias[1] = t18 * (t54 - s_dot_1 * t47);
     bias[2] = t18 * (t56 - s_dot_2 * t47);
-    *regularity = fabs(volume * g->k[3]);
+    *regularity = fabs(volume * g->k[3][i]);
 }
 
 /* Actuated joint rates of the (Delta) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_delta_rates(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], const double s_dot[3],
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
     const double w_1 = w[3] * s_dot[0] + w[4] * s_dot[1] + w[5] * s_dot[2];
     const double w_2 = w[6] * s_dot[0] + w[7] * s_dot[1] + w[8] * s_dot[2];
-    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[4]), fabs(b[1] * g->k[4])), fabs(b[2] * g->k[4]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[4][i]), fabs(b[1] * g->k[4][i])), fabs(b[2] * g->k[4][i]));
     theta_dot[0] = w_0 / b[0];
     theta_dot[1] = w_1 / b[1];
     theta_dot[2] = w_2 / b[2];
@@ -683,44 +683,44 @@ static inline void krhpr_subleg_delta_rates(
 /* det M_i of the (Delta) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_delta_determinant(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT det_M,
-    double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3],
+    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double volume = w[0] * (w[4] * w[8] - w[5] * w[7]) + w[1] * (w[5] * w[6] - w[3] * w[8]) + w[2] * (w[3] * w[7] - w[4] * w[6]);
     *det_M = b[2] * (b[0] * b[1]) / volume;
-    factors[0] = b[0] * g->k[4];
-    factors[1] = b[1] * g->k[4];
-    factors[2] = b[2] * g->k[4];
-    factors[3] = volume * g->k[3];
+    factors[0] = b[0] * g->k[4][i];
+    factors[1] = b[1] * g->k[4][i];
+    factors[2] = b[2] * g->k[4][i];
+    factors[3] = volume * g->k[3][i];
 }
 
 /* Passive joints of the (Delta) sub-leg and the orientation of its last link.  (15 add, 30 multiply, 3
  * square root) */
 static inline void krhpr_subleg_delta_passive(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double u[6], double *KRHPR_RESTRICT link,
-    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double u[6],
+    double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double q_1_0 = g->x[0] * w[0] + g->x[1] * w[1]; /* parallelogram in the arm's plane */
+    const double q_1_0 = g->x[0][i] * w[0] + g->x[1][i] * w[1]; /* parallelogram in the arm's plane */
     const double size_1 = sqrt(q_1_0 * q_1_0 + w[2] * w[2]);
-    const double q_2_0 = g->x[3] * w[3] + g->x[4] * w[4]; /* parallelogram in the arm's plane */
+    const double q_2_0 = g->x[3][i] * w[3] + g->x[4][i] * w[4]; /* parallelogram in the arm's plane */
     const double size_2 = sqrt(q_2_0 * q_2_0 + w[5] * w[5]);
-    const double q_3_0 = g->x[6] * w[6] + g->x[7] * w[7]; /* parallelogram in the arm's plane */
+    const double q_3_0 = g->x[6][i] * w[6] + g->x[7][i] * w[7]; /* parallelogram in the arm's plane */
     const double size_3 = sqrt(q_3_0 * q_3_0 + w[8] * w[8]);
-    link[0] = g->e_x[0];
-    link[1] = g->e_1[0];
-    link[2] = g->e_t[0];
-    link[3] = g->e_x[1];
-    link[4] = g->e_1[1];
-    link[5] = g->e_t[1];
-    link[6] = g->e_x[2];
-    link[7] = g->e_1[2];
+    link[0] = g->e_x[0][i];
+    link[1] = g->e_1[0][i];
+    link[2] = g->e_t[0][i];
+    link[3] = g->e_x[1][i];
+    link[4] = g->e_1[1][i];
+    link[5] = g->e_t[1][i];
+    link[6] = g->e_x[2][i];
+    link[7] = g->e_1[2][i];
     link[8] = 0.0;
     tail_y[0] = w[2] * u[0] - u[1] * q_1_0;
-    tail_y[1] = g->x[0] * w[1] - g->x[1] * w[0];
+    tail_y[1] = g->x[0][i] * w[1] - g->x[1][i] * w[0];
     tail_y[2] = w[5] * u[2] - u[3] * q_2_0;
-    tail_y[3] = g->x[3] * w[4] - g->x[4] * w[3];
+    tail_y[3] = g->x[3][i] * w[4] - g->x[4][i] * w[3];
     tail_y[4] = w[8] * u[4] - u[5] * q_3_0;
-    tail_y[5] = g->x[6] * w[7] - g->x[7] * w[6];
+    tail_y[5] = g->x[6][i] * w[7] - g->x[7][i] * w[6];
     tail_x[0] = u[0] * q_1_0 + w[2] * u[1];
     tail_x[1] = size_1;
     tail_x[2] = u[2] * q_2_0 + w[5] * u[3];
@@ -731,17 +731,18 @@ static inline void krhpr_subleg_delta_passive(
 
 /* Joints of the (Delta) sub-leg, from the base to S_i.  (9 add) */
 static inline void krhpr_subleg_delta_points(
-    const krhpr_subleg_delta_geometry *g, const double w[9], const double s[3], double *KRHPR_RESTRICT points)
+    const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double s[3],
+    double *KRHPR_RESTRICT points)
 {
-    points[0] = g->g[0];
-    points[1] = g->g[1];
-    points[2] = g->g[2];
-    points[3] = g->g[3];
-    points[4] = g->g[4];
-    points[5] = g->g[5];
-    points[6] = g->g[6];
-    points[7] = g->g[7];
-    points[8] = g->g[8];
+    points[0] = g->g[0][i];
+    points[1] = g->g[1][i];
+    points[2] = g->g[2][i];
+    points[3] = g->g[3][i];
+    points[4] = g->g[4][i];
+    points[5] = g->g[5][i];
+    points[6] = g->g[6][i];
+    points[7] = g->g[7][i];
+    points[8] = g->g[8][i];
     points[9] = s[0] - w[0];
     points[10] = s[1] - w[1];
     points[11] = s[2] - w[2];

@@ -11,78 +11,78 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_p_fivebar_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_p_fivebar_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double l_2; /* crank u_2 (m) */
-    double l_3; /* rod v_2 (m) */
-    double l_4; /* crank u_1 (m) */
-    double l_5; /* whole distal link (m) */
-    double l_6; /* part of the distal link from crank u_1 to S_i (m) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double k[22]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double l_2[KRHPR_PLACES]; /* crank u_2 (m) */
+    double l_3[KRHPR_PLACES]; /* rod v_2 (m) */
+    double l_4[KRHPR_PLACES]; /* crank u_1 (m) */
+    double l_5[KRHPR_PLACES]; /* whole distal link (m) */
+    double l_6[KRHPR_PLACES]; /* part of the distal link from crank u_1 to S_i (m) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double k[22][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_p_fivebar_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 6 divide, 2 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry *g)
+static inline void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->l_1 * t2;
-    const double c_0 = g->R_b * e_t_1 - t4;
-    const double t5 = g->l_1 * t3;
-    const double c_1 = g->R_b * e_r_1 - t5;
-    const double k_7 = 1.0 - g->l_5 / g->l_6;
-    const double t6 = g->l_6 - g->l_5;
-    const double t7 = g->l_4 - g->l_6;
-    const double t8 = g->l_4 + g->l_6;
-    const double t9 = g->l_2 - g->l_3;
-    const double t10 = g->l_2 + g->l_3;
-    const double k_17 = 1.0 / g->l_6;
-    g->c[0] = c_0;
-    g->c[1] = c_1;
-    g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -e_t_1 * e_1_2;
-    g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->k[0] = g->l_3 * g->l_3;
-    g->k[1] = t6 * t6;
-    g->k[2] = 1.0 / k_7;
-    g->k[3] = t7 * t7;
-    g->k[4] = t8 * t8;
-    g->k[5] = g->l_4 * g->l_4;
-    g->k[6] = g->l_6 * g->l_6;
-    g->k[7] = k_7;
-    g->k[8] = t9 * t9;
-    g->k[9] = t10 * t10;
-    g->k[10] = g->l_2 * g->l_2;
-    g->k[11] = fabs(t9);
-    g->k[12] = fabs(t7);
-    g->k[13] = 1.0 - k_7;
-    g->k[14] = 1.0 / (g->l_3 * g->l_6);
-    g->k[15] = 1.0 / (g->l_4 * g->l_6);
-    g->k[16] = 1.0 / (g->l_2 * g->l_3);
-    g->k[17] = k_17;
-    g->k[18] = 1.0 - g->l_5 * k_17;
-    g->k[19] = t4 + c_0;
-    g->k[20] = t5 + c_1;
-    g->k[21] = 0.0;
+    const double t4 = g->l_1[i] * t2;
+    const double c_0 = g->R_b[i] * e_t_1 - t4;
+    const double t5 = g->l_1[i] * t3;
+    const double c_1 = g->R_b[i] * e_r_1 - t5;
+    const double k_7 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double t6 = g->l_6[i] - g->l_5[i];
+    const double t7 = g->l_4[i] - g->l_6[i];
+    const double t8 = g->l_4[i] + g->l_6[i];
+    const double t9 = g->l_2[i] - g->l_3[i];
+    const double t10 = g->l_2[i] + g->l_3[i];
+    const double k_17 = 1.0 / g->l_6[i];
+    g->c[0][i] = c_0;
+    g->c[1][i] = c_1;
+    g->c[2][i] = g->l_1[i] * e_1_2;
+    g->e_x[0][i] = -e_t_1 * e_1_2;
+    g->e_x[1][i] = -e_r_1 * e_1_2;
+    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[1][i] = t6 * t6;
+    g->k[2][i] = 1.0 / k_7;
+    g->k[3][i] = t7 * t7;
+    g->k[4][i] = t8 * t8;
+    g->k[5][i] = g->l_4[i] * g->l_4[i];
+    g->k[6][i] = g->l_6[i] * g->l_6[i];
+    g->k[7][i] = k_7;
+    g->k[8][i] = t9 * t9;
+    g->k[9][i] = t10 * t10;
+    g->k[10][i] = g->l_2[i] * g->l_2[i];
+    g->k[11][i] = fabs(t9);
+    g->k[12][i] = fabs(t7);
+    g->k[13][i] = 1.0 - k_7;
+    g->k[14][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[15][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[16][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[17][i] = k_17;
+    g->k[18][i] = 1.0 - g->l_5[i] * k_17;
+    g->k[19][i] = t4 + c_0;
+    g->k[20][i] = t5 + c_1;
+    g->k[21][i] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -95,29 +95,29 @@ static inline void krhpr_subleg_p_fivebar_forward_angles(const double theta[3], 
 /* End point of the P(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 25 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_p_fivebar_forward(
-    const krhpr_subleg_p_fivebar_geometry *g, const double theta[3], const double assembly[1],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double theta[3], const double assembly[1],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    s[0] = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0];
-    s[1] = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0];
-    s[2] = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    s[0] = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0];
+    s[1] = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0];
+    s[2] = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     *radicand = h2;
 }
 
@@ -132,30 +132,30 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_angles(
 /* End point and posture of the P(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 25
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_p_fivebar_forward_posture(
-    const krhpr_subleg_p_fivebar_geometry *g, const double theta[3], const double assembly[1],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double theta[3], const double assembly[1],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    s[0] = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0];
-    s[1] = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0];
-    s[2] = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    s[0] = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0];
+    s[1] = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0];
+    s[2] = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     d[0] = d_0;
     d[1] = d_1;
     u_1[0] = u_1_0;
@@ -176,19 +176,19 @@ static inline void krhpr_subleg_p_fivebar_forward_all_angles(
 /* End points of the P(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (34 add, 32 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_p_fivebar_forward_all(
-    const krhpr_subleg_p_fivebar_geometry *g, const double theta[3], const double sine[2],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double theta[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = sqrt(h2);
     const double t2 = f_0 * along;
     const double t3 = f_1 * across;
@@ -198,22 +198,22 @@ static inline void krhpr_subleg_p_fivebar_forward_all(
     const double meeting_1 = t4 + t5;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    const double t6 = g->e_t[0] * theta[0];
-    const double t7 = g->e_t[1] * theta[0];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double t6 = g->e_t[0][i] * theta[0];
+    const double t7 = g->e_t[1][i] * theta[0];
     const double meeting_0_a = t2 + t3;
     const double meeting_1_a = t5 - t4;
     const double w_0_a = meeting_0_a - f_0; /* P - E */
     const double w_1_a = meeting_1_a - f_1;
-    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
-    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
-    s[0] = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + t6;
-    s[1] = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + t7;
-    s[2] = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
-    s[3] = t6 + (g->c[0] + g->e_x[0] * d_0_a + g->e_1[0] * d_1_a);
-    s[4] = t7 + (g->c[1] + g->e_x[1] * d_0_a + g->e_1[1] * d_1_a);
-    s[5] = g->c[2] + g->e_x[2] * d_0_a + g->e_1[2] * d_1_a;
+    const double d_0_a = u_1_0 + g->k[2][i] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2][i] * w_1_a;
+    s[0] = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + t6;
+    s[1] = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + t7;
+    s[2] = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
+    s[3] = t6 + (g->c[0][i] + g->e_x[0][i] * d_0_a + g->e_1[0][i] * d_1_a);
+    s[4] = t7 + (g->c[1][i] + g->e_x[1][i] * d_0_a + g->e_1[1][i] * d_1_a);
+    s[5] = g->c[2][i] + g->e_x[2][i] * d_0_a + g->e_1[2][i] * d_1_a;
     *radicand = h2;
 }
 
@@ -221,32 +221,32 @@ static inline void krhpr_subleg_p_fivebar_forward_all(
  * end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2 square root, 2
  * arctangent, 1 select) */
 static inline void krhpr_subleg_p_fivebar_inverse(
-    const krhpr_subleg_p_fivebar_geometry *g, const double s[3], const double mode[2],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[1] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
-    theta[0] = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    theta[0] = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     theta[1] = krhpr_atan2(m, n);
     theta[2] = krhpr_atan2(m_2, n_2);
     *radicand = krhpr_min(h2, h2_2);
@@ -256,18 +256,18 @@ static inline void krhpr_subleg_p_fivebar_inverse(
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (43 add, 41 multiply, 1 divide, 3
  * square root, 6 arctangent, 3 select) */
 static inline void krhpr_subleg_p_fivebar_inverse_all(
-    const krhpr_subleg_p_fivebar_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -278,19 +278,19 @@ static inline void krhpr_subleg_p_fivebar_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double t6 = p_0 * A_2;
     const double t7 = p_1 * S_2;
     const double n_2 = t6 + t7;
     const double t8 = p_1 * A_2;
     const double t9 = p_0 * S_2;
     const double m_2 = t8 - t9;
-    const double theta_0 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double theta_0 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double n_2_a = t6 - t7;
     const double m_2_a = t8 + t9;
     const double n_a = t1 - t2;
@@ -298,12 +298,12 @@ static inline void krhpr_subleg_p_fivebar_inverse_all(
     const double theta_1_a = krhpr_atan2(m_a, n_a);
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7] * (d_0 - u_1_0_a); /* u_1 + w - o_12 */
-    const double p_1_a = u_1_1_a + g->k[7] * (d_1 - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a); /* u_1 + w - o_12 */
+    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a);
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h2_2_a = (d2_2_a - g->k[8]) * (g->k[9] - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_a = (d2_2_a - g->k[8][i]) * (g->k[9][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
-    const double A_2_a = g->k[10] + d2_2_a - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i]; /* 2 a (a + b cos) */
     const double t10 = p_0_a * A_2_a;
     const double t11 = p_1_a * S_2_a;
     const double n_2_b = t10 + t11;
@@ -330,28 +330,28 @@ static inline void krhpr_subleg_p_fivebar_inverse_all(
 /* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (25 add, 22 multiply, 1
  * divide, 3 square root, 3 select) */
 static inline void krhpr_subleg_p_fivebar_reach(
-    const krhpr_subleg_p_fivebar_geometry *g, const double s[3], const double mode[2],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT excess)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2 - g->l_3, g->k[11] - reach_2), krhpr_max(reach_1 - g->l_4 - g->l_6, g->k[12] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[11][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[12][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -365,120 +365,121 @@ static inline void krhpr_subleg_p_fivebar_posture_angles(const double theta[3], 
 /* Posture of the P(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (7
  * add, 10 multiply) */
 static inline void krhpr_subleg_p_fivebar_posture(
-    const krhpr_subleg_p_fivebar_geometry *g, const double s[3], const double sine[2],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
-    const double arm_0 = s[0] - g->c[0];
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    d[0] = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    d[1] = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    u_1[0] = g->l_4 * cosine[0];
-    u_1[1] = g->l_4 * sine[0];
-    u_2[0] = g->l_2 * cosine[1];
-    u_2[1] = g->l_2 * sine[1];
+    const double arm_0 = s[0] - g->c[0][i];
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    d[0] = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    d[1] = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    u_1[0] = g->l_4[i] * cosine[0];
+    u_1[1] = g->l_4[i] * sine[0];
+    u_2[0] = g->l_2[i] * cosine[1];
+    u_2[1] = g->l_2[i] * sine[1];
 }
 
 /* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 37
  * multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_p_fivebar_jacobian(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7] * b_22;
+    const double t5 = g->k[7][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
     const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
     const double m_12 = t6 * (v_1_0 * b_33);
-    M[0] = g->e_t[0];
-    M[1] = g->e_1[0] * m_11 + g->e_x[0] * m_01;
-    M[2] = g->e_1[0] * m_12 + g->e_x[0] * m_02;
-    M[3] = g->e_t[1];
-    M[4] = g->e_1[1] * m_11 + g->e_x[1] * m_01;
-    M[5] = g->e_1[1] * m_12 + g->e_x[1] * m_02;
+    M[0] = g->e_t[0][i];
+    M[1] = g->e_1[0][i] * m_11 + g->e_x[0][i] * m_01;
+    M[2] = g->e_1[0][i] * m_12 + g->e_x[0][i] * m_02;
+    M[3] = g->e_t[1][i];
+    M[4] = g->e_1[1][i] * m_11 + g->e_x[1][i] * m_01;
+    M[5] = g->e_1[1][i] * m_12 + g->e_x[1][i] * m_02;
     M[6] = 0.0;
-    M[7] = g->e_1[2] * m_11 + g->e_x[2] * m_01;
-    M[8] = g->e_1[2] * m_12 + g->e_x[2] * m_02;
-    *regularity = fabs(delta * g->k[14]);
+    M[7] = g->e_1[2][i] * m_11 + g->e_x[2][i] * m_01;
+    M[8] = g->e_1[2][i] * m_12 + g->e_x[2][i] * m_02;
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (28 add, 49 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_p_fivebar_project(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7] * b_22;
+    const double t5 = g->k[7][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
     const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
     const double m_12 = t6 * (v_1_0 * b_33);
-    const double n_00 = g->e_x[0] * N[0] + g->e_x[1] * N[1] + g->e_x[2] * N[2]; /* N in the leg's frame */
-    const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
-    const double n_02 = g->e_t[0] * N[0] + g->e_t[1] * N[1];
-    const double n_10 = g->e_x[0] * N[3] + g->e_x[1] * N[4] + g->e_x[2] * N[5];
-    const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
-    const double n_12 = g->e_t[0] * N[3] + g->e_t[1] * N[4];
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N in the leg's frame */
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
     K[0] = n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
     K[2] = m_02 * n_00 + m_12 * n_01;
     K[3] = n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = fabs(delta * g->k[14]);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_p_fivebar_velocity(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot,
+    double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_1 * (g->k[7] * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
-    const double v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g->k[7] * v_2_0));
-    s_dot[0] = g->e_1[0] * v_l_1 + g->e_t[0] * theta_dot[0] + g->e_x[0] * v_l_0;
-    s_dot[1] = g->e_1[1] * v_l_1 + g->e_t[1] * theta_dot[0] + g->e_x[1] * v_l_0;
-    s_dot[2] = g->e_1[2] * v_l_1 + g->e_x[2] * v_l_0;
-    *regularity = fabs(delta * g->k[14]);
+    const double v_l_0 = (w_1 * (g->k[7][i] * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
+    const double v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g->k[7][i] * v_2_0));
+    s_dot[0] = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0] + g->e_x[0][i] * v_l_0;
+    s_dot[1] = g->e_1[1][i] * v_l_1 + g->e_t[1][i] * theta_dot[0] + g->e_x[1][i] * v_l_0;
+    s_dot[2] = g->e_1[2][i] * v_l_1 + g->e_x[2][i] * v_l_0;
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -492,135 +493,137 @@ static inline void krhpr_subleg_p_fivebar_bias_angles(const double theta[3], dou
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (64 add, 109 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_p_fivebar_bias(
-    const krhpr_subleg_p_fivebar_geometry *g, const double s[3], const double theta_dot[3],
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2; /* s - c in the plane (e_x, e_1) */
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2; /* s - c in the plane (e_x, e_1) */
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t4 = theta_dot[1] * (g->k[7] * b_22);
+    const double t4 = theta_dot[1] * (g->k[7][i] * b_22);
     const double t5 = v_1_0 * t3 - v_2_0 * t4;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double t7 = g->e_1[0] * t5 * t6;
+    const double t7 = g->e_1[0][i] * t5 * t6;
     const double t8 = v_2_1 * t4 - v_1_1 * t3;
-    const double t9 = t6 * (g->e_x[0] * t8);
-    const double s_dot_0 = g->e_t[0] * theta_dot[0] + t7 + t9;
-    const double t10 = t6 * (g->e_1[1] * t5);
-    const double t11 = t6 * (g->e_x[1] * t8);
-    const double s_dot_1 = g->e_t[1] * theta_dot[0] + t10 + t11;
-    const double t12 = t6 * (g->e_1[2] * t5);
-    const double t13 = t6 * (g->e_x[2] * t8);
+    const double t9 = t6 * (g->e_x[0][i] * t8);
+    const double s_dot_0 = g->e_t[0][i] * theta_dot[0] + t7 + t9;
+    const double t10 = t6 * (g->e_1[1][i] * t5);
+    const double t11 = t6 * (g->e_x[1][i] * t8);
+    const double s_dot_1 = g->e_t[1][i] * theta_dot[0] + t10 + t11;
+    const double t12 = t6 * (g->e_1[2][i] * t5);
+    const double t13 = t6 * (g->e_x[2][i] * t8);
     const double s_dot_2 = t12 + t13;
-    const double t14 = g->l_4 * (theta_dot[1] * sine[0]);
-    const double t15 = g->l_4 * (theta_dot[1] * cosine[0]);
-    const double t16 = g->l_2 * (theta_dot[2] * sine[1]);
-    const double t17 = g->l_2 * (theta_dot[2] * cosine[1]);
-    const double t18 = g->e_x[0] * s_dot_0 + g->e_x[1] * s_dot_1 + g->e_x[2] * s_dot_2 + t14;
-    const double t19 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - t15;
-    const double t20 = g->k[7] * t18;
+    const double t14 = g->l_4[i] * (theta_dot[1] * sine[0]);
+    const double t15 = g->l_4[i] * (theta_dot[1] * cosine[0]);
+    const double t16 = g->l_2[i] * (theta_dot[2] * sine[1]);
+    const double t17 = g->l_2[i] * (theta_dot[2] * cosine[1]);
+    const double t18 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + t14;
+    const double t19 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t15;
+    const double t20 = g->k[7][i] * t18;
     const double t21 = t16 + (t20 - t14);
-    const double t22 = g->k[7] * t19;
+    const double t22 = g->k[7][i] * t19;
     const double t23 = t15 + t22 - t17;
-    const double t24 = theta_dot[1] * (g->k[13] * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
+    const double t24 = theta_dot[1] * (g->k[13][i] * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
     const double t25 = t24 + theta_dot[2] * (u_2_0 * t23 - v_2_1 * t16 - (v_2_0 * t17 + u_2_1 * t21));
-    const double t26 = theta_dot[1] * (g->k[7] * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
+    const double t26 = theta_dot[1] * (g->k[7][i] * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
     const double t27 = t3 * t18 + v_1_0 * t25 - (t4 * t21 + v_2_0 * t26);
     const double t28 = v_2_1 * t20 + t1 * t23 - (t2 * t21 + v_2_0 * t22);
     const double t29 = t4 * t23 + v_2_1 * t26 - (t3 * t19 + v_1_1 * t25);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = t6 * (g->e_1[0] * t27 - t7 * t28) + t6 * (g->e_x[0] * t29 - t9 * t28);
-    bias[1] = t6 * (g->e_1[1] * t27 - t10 * t28) + t6 * (g->e_x[1] * t29 - t11 * t28);
-    bias[2] = t6 * (g->e_1[2] * t27 - t12 * t28) + t6 * (g->e_x[2] * t29 - t13 * t28);
-    *regularity = fabs(delta * g->k[14]);
+    bias[0] = t6 * (g->e_1[0][i] * t27 - t7 * t28) + t6 * (g->e_x[0][i] * t29 - t9 * t28);
+    bias[1] = t6 * (g->e_1[1][i] * t27 - t10 * t28) + t6 * (g->e_x[1][i] * t29 - t11 * t28);
+    bias[2] = t6 * (g->e_1[2][i] * t27 - t12 * t28) + t6 * (g->e_x[2][i] * t29 - t13 * t28);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 2 divide, 3 select) */
 static inline void krhpr_subleg_p_fivebar_rates(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
+    double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double v_l_0 = g->e_x[0] * s_dot[0] + g->e_x[1] * s_dot[1] + g->e_x[2] * s_dot[2]; /* velocity in the leg's frame */
-    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_l_2 = g->e_t[0] * s_dot[0] + g->e_t[1] * s_dot[1];
+    const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2]; /* velocity in the leg's frame */
+    const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
+    const double v_l_2 = g->e_t[0][i] * s_dot[0] + g->e_t[1][i] * s_dot[1];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = v_l_0 * (g->k[7] * v_2_0) + v_l_1 * (g->k[7] * v_2_1);
+    const double w_2 = v_l_0 * (g->k[7][i] * v_2_0) + v_l_1 * (g->k[7][i] * v_2_1);
     const double t1 = 1.0 / b_22;
     theta_dot[0] = v_l_2;
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[15]), fabs(b_33 * g->k[16]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
 }
 
 /* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
  * 13 multiply, 1 divide) */
 static inline void krhpr_subleg_p_fivebar_determinant(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g->k[7] * delta);
-    factors[0] = b_22 * g->k[15];
-    factors[1] = b_33 * g->k[16];
-    factors[2] = delta * g->k[14];
+    *det_M = b_22 * b_33 / (g->k[7][i] * delta);
+    factors[0] = b_22 * g->k[15][i];
+    factors[1] = b_33 * g->k[16][i];
+    factors[2] = delta * g->k[14][i];
 }
 
 /* Passive joints of the P(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
 static inline void krhpr_subleg_p_fivebar_passive(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[18] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[18] - u_2[1];
-    const double dir_0 = v_1_0 * g->k[17]; /* direction of the last link in (x, e_1) */
-    const double dir_1 = v_1_1 * g->k[17];
-    const double along_0 = g->e_x[0] * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = g->e_x[1] * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = g->e_x[2] * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - g->e_x[0] * dir_1; /* e_2 x along */
-    const double across_1 = g->e_1[1] * dir_0 - g->e_x[1] * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - g->e_x[2] * dir_1;
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[18][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[18][i] - u_2[1];
+    const double dir_0 = v_1_0 * g->k[17][i]; /* direction of the last link in (x, e_1) */
+    const double dir_1 = v_1_1 * g->k[17][i];
+    const double along_0 = g->e_x[0][i] * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = g->e_x[1][i] * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = g->e_x[2][i] * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - g->e_x[0][i] * dir_1; /* e_2 x along */
+    const double across_1 = g->e_1[1][i] * dir_0 - g->e_x[1][i] * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - g->e_x[2][i] * dir_1;
     link[0] = along_0;
     link[1] = across_0;
-    link[2] = g->e_t[0];
+    link[2] = g->e_t[0][i];
     link[3] = along_1;
     link[4] = across_1;
-    link[5] = g->e_t[1];
+    link[5] = g->e_t[1][i];
     link[6] = along_2;
     link[7] = across_2;
     link[8] = 0.0;
@@ -634,32 +637,32 @@ static inline void krhpr_subleg_p_fivebar_passive(
 
 /* Joints of the P(RR-RRR) sub-leg, from the base to S_i.  (28 add, 26 multiply) */
 static inline void krhpr_subleg_p_fivebar_points(
-    const krhpr_subleg_p_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    const double s[3], double *KRHPR_RESTRICT points)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
 {
-    const double origin_0 = s[0] - g->e_x[0] * d[0] - g->e_1[0] * d[1]; /* c + theta_1 e_t */
-    const double origin_1 = s[1] - g->e_x[1] * d[0] - g->e_1[1] * d[1];
-    const double origin_2 = s[2] - g->e_x[2] * d[0] - g->e_1[2] * d[1];
-    const double p_0 = u_1[0] + g->k[7] * (d[0] - u_1[0]); /* u_1 + w */
-    const double p_1 = u_1[1] + g->k[7] * (d[1] - u_1[1]);
-    points[0] = g->k[19];
-    points[1] = g->k[20];
-    points[2] = g->k[21];
-    points[3] = g->c[0];
-    points[4] = g->c[1];
-    points[5] = g->c[2];
+    const double origin_0 = s[0] - g->e_x[0][i] * d[0] - g->e_1[0][i] * d[1]; /* c + theta_1 e_t */
+    const double origin_1 = s[1] - g->e_x[1][i] * d[0] - g->e_1[1][i] * d[1];
+    const double origin_2 = s[2] - g->e_x[2][i] * d[0] - g->e_1[2][i] * d[1];
+    const double p_0 = u_1[0] + g->k[7][i] * (d[0] - u_1[0]); /* u_1 + w */
+    const double p_1 = u_1[1] + g->k[7][i] * (d[1] - u_1[1]);
+    points[0] = g->k[19][i];
+    points[1] = g->k[20][i];
+    points[2] = g->k[21][i];
+    points[3] = g->c[0][i];
+    points[4] = g->c[1][i];
+    points[5] = g->c[2][i];
     points[6] = origin_0;
     points[7] = origin_1;
     points[8] = origin_2;
-    points[9] = origin_0 + g->e_1[0] * u_1[1] + g->e_x[0] * u_1[0];
-    points[10] = origin_1 + g->e_1[1] * u_1[1] + g->e_x[1] * u_1[0];
-    points[11] = origin_2 + g->e_1[2] * u_1[1] + g->e_x[2] * u_1[0];
-    points[12] = origin_0 + g->e_1[0] * u_2[1] + g->e_x[0] * u_2[0];
-    points[13] = origin_1 + g->e_1[1] * u_2[1] + g->e_x[1] * u_2[0];
-    points[14] = origin_2 + g->e_1[2] * u_2[1] + g->e_x[2] * u_2[0];
-    points[15] = origin_0 + g->e_1[0] * p_1 + g->e_x[0] * p_0;
-    points[16] = origin_1 + g->e_1[1] * p_1 + g->e_x[1] * p_0;
-    points[17] = origin_2 + g->e_1[2] * p_1 + g->e_x[2] * p_0;
+    points[9] = origin_0 + g->e_1[0][i] * u_1[1] + g->e_x[0][i] * u_1[0];
+    points[10] = origin_1 + g->e_1[1][i] * u_1[1] + g->e_x[1][i] * u_1[0];
+    points[11] = origin_2 + g->e_1[2][i] * u_1[1] + g->e_x[2][i] * u_1[0];
+    points[12] = origin_0 + g->e_1[0][i] * u_2[1] + g->e_x[0][i] * u_2[0];
+    points[13] = origin_1 + g->e_1[1][i] * u_2[1] + g->e_x[1][i] * u_2[0];
+    points[14] = origin_2 + g->e_1[2][i] * u_2[1] + g->e_x[2][i] * u_2[0];
+    points[15] = origin_0 + g->e_1[0][i] * p_1 + g->e_x[0][i] * p_0;
+    points[16] = origin_1 + g->e_1[1][i] * p_1 + g->e_x[1][i] * p_0;
+    points[17] = origin_2 + g->e_1[2][i] * p_1 + g->e_x[2][i] * p_0;
     points[18] = s[0];
     points[19] = s[1];
     points[20] = s[2];

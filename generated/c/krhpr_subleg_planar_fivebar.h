@@ -11,55 +11,55 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_fivebar_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_fivebar_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double l_0; /* distance of the two base joints, along e_t (m) */
-    double l_2; /* crank u_2 (m) */
-    double l_3; /* rod v_2 (m) */
-    double l_4; /* crank u_1 (m) */
-    double l_6; /* distal link v_1 (m) */
-    double o[2]; /* first base joint */
-    double o_12[2]; /* from the first base joint to the second */
-    double k[16]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double l_0[KRHPR_PLACES]; /* distance of the two base joints, along e_t (m) */
+    double l_2[KRHPR_PLACES]; /* crank u_2 (m) */
+    double l_3[KRHPR_PLACES]; /* rod v_2 (m) */
+    double l_4[KRHPR_PLACES]; /* crank u_1 (m) */
+    double l_6[KRHPR_PLACES]; /* distal link v_1 (m) */
+    double o[2][KRHPR_PLACES]; /* first base joint */
+    double o_12[2][KRHPR_PLACES]; /* from the first base joint to the second */
+    double k[16][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_fivebar_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (8 add, 17 multiply, 4 divide, 1 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fivebar_geometry *g)
+static inline void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fivebar_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->l_0 * e_r_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_0[i] * e_r_1;
     const double apart_0 = -t1;
-    const double apart_1 = g->l_0 * e_r_0;
-    const double o_0 = g->R_b * e_r_0 + t1 * 0.5;
-    const double o_1 = g->R_b * e_r_1 - apart_1 * 0.5;
-    const double t2 = g->l_4 - g->l_6;
-    const double t3 = g->l_4 + g->l_6;
-    const double t4 = g->l_2 - g->l_3;
-    const double t5 = g->l_2 + g->l_3;
-    g->o[0] = o_0;
-    g->o[1] = o_1;
-    g->o_12[0] = apart_0;
-    g->o_12[1] = apart_1;
-    g->k[0] = g->l_3 * g->l_3;
-    g->k[1] = g->l_6 * g->l_6;
-    g->k[2] = t2 * t2;
-    g->k[3] = t3 * t3;
-    g->k[4] = g->l_4 * g->l_4;
-    g->k[5] = t4 * t4;
-    g->k[6] = t5 * t5;
-    g->k[7] = g->l_2 * g->l_2;
-    g->k[8] = fabs(t4);
-    g->k[9] = fabs(t2);
-    g->k[10] = 1.0 / (g->l_3 * g->l_6);
-    g->k[11] = 1.0 / (g->l_4 * g->l_6);
-    g->k[12] = 1.0 / (g->l_2 * g->l_3);
-    g->k[13] = 1.0 / g->l_6;
-    g->k[14] = o_0 - t1;
-    g->k[15] = apart_1 + o_1;
+    const double apart_1 = g->l_0[i] * e_r_0;
+    const double o_0 = g->R_b[i] * e_r_0 + t1 * 0.5;
+    const double o_1 = g->R_b[i] * e_r_1 - apart_1 * 0.5;
+    const double t2 = g->l_4[i] - g->l_6[i];
+    const double t3 = g->l_4[i] + g->l_6[i];
+    const double t4 = g->l_2[i] - g->l_3[i];
+    const double t5 = g->l_2[i] + g->l_3[i];
+    g->o[0][i] = o_0;
+    g->o[1][i] = o_1;
+    g->o_12[0][i] = apart_0;
+    g->o_12[1][i] = apart_1;
+    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[1][i] = g->l_6[i] * g->l_6[i];
+    g->k[2][i] = t2 * t2;
+    g->k[3][i] = t3 * t3;
+    g->k[4][i] = g->l_4[i] * g->l_4[i];
+    g->k[5][i] = t4 * t4;
+    g->k[6][i] = t5 * t5;
+    g->k[7][i] = g->l_2[i] * g->l_2[i];
+    g->k[8][i] = fabs(t4);
+    g->k[9][i] = fabs(t2);
+    g->k[10][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[11][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[12][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[13][i] = 1.0 / g->l_6[i];
+    g->k[14][i] = o_0 - t1;
+    g->k[15][i] = apart_1 + o_1;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -73,19 +73,19 @@ static inline void krhpr_subleg_planar_fivebar_forward_angles(
 /* End point of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 15 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_planar_fivebar_forward(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double assembly[1], const double sine[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double assembly[1], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
@@ -93,8 +93,8 @@ static inline void krhpr_subleg_planar_fivebar_forward(
     const double w_1 = meeting_1 - f_1;
     const double d_0 = u_1_0 + w_0;
     const double d_1 = u_1_1 + w_1;
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     *radicand = h2;
 }
 
@@ -109,20 +109,20 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_angles(
 /* End point and posture of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 15
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_fivebar_forward_posture(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double assembly[1], const double sine[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double assembly[1], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1,
     double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
@@ -130,8 +130,8 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture(
     const double w_1 = meeting_1 - f_1;
     const double d_0 = u_1_0 + w_0;
     const double d_1 = u_1_1 + w_1;
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     d[0] = d_0;
     d[1] = d_1;
     u_1[0] = u_1_0;
@@ -152,19 +152,19 @@ static inline void krhpr_subleg_planar_fivebar_forward_all_angles(
 /* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (24 add, 14 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_fivebar_forward_all(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double sine[2], const double cosine[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = sqrt(h2);
     const double t2 = f_0 * along;
     const double t3 = f_1 * across;
@@ -182,33 +182,33 @@ static inline void krhpr_subleg_planar_fivebar_forward_all(
     const double w_1_a = meeting_1_a - f_1;
     const double d_0_a = u_1_0 + w_0_a;
     const double d_1_a = u_1_1 + w_1_a;
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
-    s[2] = g->o[0] + d_0_a;
-    s[3] = g->o[1] + d_1_a;
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
+    s[2] = g->o[0][i] + d_0_a;
+    s[3] = g->o[1][i] + d_1_a;
     *radicand = h2;
 }
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_inverse(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double s[2], const double mode[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[2]) * (g->k[3] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[2][i]) * (g->k[3][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[4] - g->k[1]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[4][i] - g->k[1][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
-    const double p_0 = d_0 - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1 = d_1 - g->o_12[1];
+    const double p_0 = d_0 - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = d_1 - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[5]) * (g->k[6] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[5][i]) * (g->k[6][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[1] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[7] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
@@ -222,27 +222,27 @@ static inline void krhpr_subleg_planar_fivebar_inverse(
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (22 add, 14 multiply, 2 square root,
  * 1 select) */
 static inline void krhpr_subleg_planar_fivebar_inverse_all(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double s[2], double *KRHPR_RESTRICT radicand,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[2]) * (g->k[3] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[2][i]) * (g->k[3][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[4] - g->k[1]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[4][i] - g->k[1][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
     const double t3 = d_1 * A;
     const double t4 = d_0 * S;
     const double m = t3 - t4;
-    const double p_0 = d_0 - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1 = d_1 - g->o_12[1];
+    const double p_0 = d_0 - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = d_1 - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[5]) * (g->k[6] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[5][i]) * (g->k[6][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[7] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;
@@ -267,16 +267,16 @@ static inline void krhpr_subleg_planar_fivebar_inverse_all(
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (12 add, 4 multiply, 2
  * square root, 3 select) */
 static inline void krhpr_subleg_planar_fivebar_reach(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double p_0 = d_0 - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1 = d_1 - g->o_12[1];
+    const double p_0 = d_0 - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = d_1 - g->o_12[1][i];
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2 - g->l_3, g->k[8] - reach_2), krhpr_max(reach_1 - g->l_4 - g->l_6, g->k[9] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[8][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[9][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -291,27 +291,27 @@ static inline void krhpr_subleg_planar_fivebar_posture_angles(
 /* Posture of the (RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2
  * add, 4 multiply) */
 static inline void krhpr_subleg_planar_fivebar_posture(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double s[2], const double sine[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
-    d[0] = s[0] - g->o[0];
-    d[1] = s[1] - g->o[1];
-    u_1[0] = g->l_4 * cosine[0];
-    u_1[1] = g->l_4 * sine[0];
-    u_2[0] = g->l_2 * cosine[1];
-    u_2[1] = g->l_2 * sine[1];
+    d[0] = s[0] - g->o[0][i];
+    d[1] = s[1] - g->o[1][i];
+    u_1[0] = g->l_4[i] * cosine[0];
+    u_1[1] = g->l_4[i] * sine[0];
+    u_2[0] = g->l_2[i] * cosine[1];
+    u_2[1] = g->l_2[i] * sine[1];
 }
 
 /* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (13 add, 15
  * multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_jacobian(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
     const double t1 = u_1[0] * v_1_1;
     const double t2 = u_1[1] * v_1_0;
     const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
@@ -328,19 +328,19 @@ static inline void krhpr_subleg_planar_fivebar_jacobian(
     M[1] = m_01;
     M[2] = m_10;
     M[3] = m_11;
-    *regularity = fabs(delta * g->k[10]);
+    *regularity = fabs(delta * g->k[10][i]);
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (15 add, 19 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_project(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
     const double t1 = u_1[0] * v_1_1;
     const double t2 = u_1[1] * v_1_0;
     const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
@@ -355,20 +355,20 @@ static inline void krhpr_subleg_planar_fivebar_project(
     const double m_11 = t5 * (v_1_0 * b_33);
     K[0] = N[0] * m_00 + N[1] * m_10;
     K[1] = N[0] * m_01 + N[1] * m_11;
-    *regularity = fabs(delta * g->k[10]);
+    *regularity = fabs(delta * g->k[10][i]);
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (13 add, 15 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_velocity(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot,
     double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
@@ -379,7 +379,7 @@ static inline void krhpr_subleg_planar_fivebar_velocity(
     const double v_l_1 = t1 * (v_1_0 * w_1 - v_2_0 * w_0);
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
-    *regularity = fabs(delta * g->k[10]);
+    *regularity = fabs(delta * g->k[10][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -394,20 +394,20 @@ static inline void krhpr_subleg_planar_fivebar_bias_angles(
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (38 add, 53 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_planar_fivebar_bias(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double s[2], const double theta_dot[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double theta_dot[2],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double v_2_0 = u_1_0 + v_1_0 - g->o_12[0] - u_2_0; /* (1.15) */
-    const double v_2_1 = u_1_1 + v_1_1 - g->o_12[1] - u_2_1;
+    const double v_2_0 = u_1_0 + v_1_0 - g->o_12[0][i] - u_2_0; /* (1.15) */
+    const double v_2_1 = u_1_1 + v_1_1 - g->o_12[1][i] - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
@@ -416,10 +416,10 @@ static inline void krhpr_subleg_planar_fivebar_bias(
     const double t3 = 1.0 / delta;
     const double s_dot_0 = (v_2_1 * t1 - v_1_1 * t2) * t3;
     const double s_dot_1 = t3 * (v_1_0 * t2 - v_2_0 * t1);
-    const double t4 = g->l_4 * (theta_dot[0] * sine[0]);
-    const double t5 = g->l_4 * (theta_dot[0] * cosine[0]);
-    const double t6 = g->l_2 * (theta_dot[1] * sine[1]);
-    const double t7 = g->l_2 * (theta_dot[1] * cosine[1]);
+    const double t4 = g->l_4[i] * (theta_dot[0] * sine[0]);
+    const double t5 = g->l_4[i] * (theta_dot[0] * cosine[0]);
+    const double t6 = g->l_2[i] * (theta_dot[1] * sine[1]);
+    const double t7 = g->l_2[i] * (theta_dot[1] * cosine[1]);
     const double t8 = s_dot_0 + t4;
     const double t9 = s_dot_1 - t5;
     const double t10 = t6 + (t8 - t4);
@@ -431,60 +431,60 @@ static inline void krhpr_subleg_planar_fivebar_bias(
     s_dot[1] = s_dot_1;
     bias[0] = t3 * (t1 * t11 + v_2_1 * t13 - (t2 * t9 + v_1_1 * t14) - s_dot_0 * t12);
     bias[1] = t3 * (t2 * t8 + v_1_0 * t14 - (t1 * t10 + v_2_0 * t13) - s_dot_1 * t12);
-    *regularity = fabs(delta * g->k[10]);
+    *regularity = fabs(delta * g->k[10][i]);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (12 add, 10 multiply, 2 divide, 3 select) */
 static inline void krhpr_subleg_planar_fivebar_rates(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
     const double w_1 = v_2_0 * s_dot[0] + v_2_1 * s_dot[1];
     theta_dot[0] = w_0 / b_22;
     theta_dot[1] = w_1 / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[11]), fabs(b_33 * g->k[12]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[11][i]), fabs(b_33 * g->k[12][i]));
 }
 
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 10 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_fivebar_determinant(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     *det_M = b_22 * b_33 / delta;
-    factors[0] = b_22 * g->k[11];
-    factors[1] = b_33 * g->k[12];
-    factors[2] = delta * g->k[10];
+    factors[0] = b_22 * g->k[11][i];
+    factors[1] = b_33 * g->k[12][i];
+    factors[2] = delta * g->k[10][i];
 }
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 14 multiply) */
 static inline void krhpr_subleg_planar_fivebar_passive(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1] - u_2[1];
-    link[0] = v_1_0 * g->k[13];
-    link[1] = v_1_1 * g->k[13];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
+    link[0] = v_1_0 * g->k[13][i];
+    link[1] = v_1_1 * g->k[13][i];
     tail_y[0] = u_1[0] * v_1_1 - u_1[1] * v_1_0;
     tail_y[1] = u_2[0] * v_2_1 - u_2[1] * v_2_0;
     tail_y[2] = v_1_1 * v_2_0 - v_1_0 * v_2_1;
@@ -495,17 +495,17 @@ static inline void krhpr_subleg_planar_fivebar_passive(
 
 /* Joints of the (RR-RRR) sub-leg, from the base to S_i.  (4 add) */
 static inline void krhpr_subleg_planar_fivebar_points(
-    const krhpr_subleg_planar_fivebar_geometry *g, const double u_1[2], const double u_2[2],
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double u_1[2], const double u_2[2],
     const double s[2], double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
-    points[2] = g->k[14];
-    points[3] = g->k[15];
-    points[4] = g->o[0] + u_1[0];
-    points[5] = g->o[1] + u_1[1];
-    points[6] = u_2[0] + g->k[14];
-    points[7] = u_2[1] + g->k[15];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
+    points[2] = g->k[14][i];
+    points[3] = g->k[15][i];
+    points[4] = g->o[0][i] + u_1[0];
+    points[5] = g->o[1][i] + u_1[1];
+    points[6] = u_2[0] + g->k[14][i];
+    points[7] = u_2[1] + g->k[15][i];
     points[8] = s[0];
     points[9] = s[1];
 }

@@ -12,65 +12,65 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_fivebar_coupler_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_fivebar_coupler_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double l_0; /* distance of the two base joints, along e_t (m) */
-    double l_2; /* crank u_2 (m) */
-    double l_3; /* rod v_2 (m) */
-    double l_4; /* crank u_1 (m) */
-    double l_5; /* whole distal link (m) */
-    double l_6; /* part of the distal link from crank u_1 to S_i (m) */
-    double o[2]; /* first base joint */
-    double o_12[2]; /* from the first base joint to the second */
-    double k[21]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double l_0[KRHPR_PLACES]; /* distance of the two base joints, along e_t (m) */
+    double l_2[KRHPR_PLACES]; /* crank u_2 (m) */
+    double l_3[KRHPR_PLACES]; /* rod v_2 (m) */
+    double l_4[KRHPR_PLACES]; /* crank u_1 (m) */
+    double l_5[KRHPR_PLACES]; /* whole distal link (m) */
+    double l_6[KRHPR_PLACES]; /* part of the distal link from crank u_1 to S_i (m) */
+    double o[2][KRHPR_PLACES]; /* first base joint */
+    double o_12[2][KRHPR_PLACES]; /* from the first base joint to the second */
+    double k[21][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_fivebar_coupler_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (12 add, 19 multiply, 6 divide, 1 sine
  * cosine, 2 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_prepare(
-    krhpr_subleg_planar_fivebar_coupler_geometry *g)
+    krhpr_subleg_planar_fivebar_coupler_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->l_0 * e_r_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_0[i] * e_r_1;
     const double apart_0 = -t1;
-    const double apart_1 = g->l_0 * e_r_0;
-    const double o_0 = g->R_b * e_r_0 + t1 * 0.5;
-    const double o_1 = g->R_b * e_r_1 - apart_1 * 0.5;
-    const double k_7 = 1.0 - g->l_5 / g->l_6;
-    const double t2 = g->l_6 - g->l_5;
-    const double t3 = g->l_4 - g->l_6;
-    const double t4 = g->l_4 + g->l_6;
-    const double t5 = g->l_2 - g->l_3;
-    const double t6 = g->l_2 + g->l_3;
-    const double k_17 = 1.0 / g->l_6;
-    g->o[0] = o_0;
-    g->o[1] = o_1;
-    g->o_12[0] = apart_0;
-    g->o_12[1] = apart_1;
-    g->k[0] = g->l_3 * g->l_3;
-    g->k[1] = t2 * t2;
-    g->k[2] = 1.0 / k_7;
-    g->k[3] = t3 * t3;
-    g->k[4] = t4 * t4;
-    g->k[5] = g->l_4 * g->l_4;
-    g->k[6] = g->l_6 * g->l_6;
-    g->k[7] = k_7;
-    g->k[8] = t5 * t5;
-    g->k[9] = t6 * t6;
-    g->k[10] = g->l_2 * g->l_2;
-    g->k[11] = fabs(t5);
-    g->k[12] = fabs(t3);
-    g->k[13] = 1.0 - k_7;
-    g->k[14] = 1.0 / (g->l_3 * g->l_6);
-    g->k[15] = 1.0 / (g->l_4 * g->l_6);
-    g->k[16] = 1.0 / (g->l_2 * g->l_3);
-    g->k[17] = k_17;
-    g->k[18] = 1.0 - g->l_5 * k_17;
-    g->k[19] = o_0 - t1;
-    g->k[20] = apart_1 + o_1;
+    const double apart_1 = g->l_0[i] * e_r_0;
+    const double o_0 = g->R_b[i] * e_r_0 + t1 * 0.5;
+    const double o_1 = g->R_b[i] * e_r_1 - apart_1 * 0.5;
+    const double k_7 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double t2 = g->l_6[i] - g->l_5[i];
+    const double t3 = g->l_4[i] - g->l_6[i];
+    const double t4 = g->l_4[i] + g->l_6[i];
+    const double t5 = g->l_2[i] - g->l_3[i];
+    const double t6 = g->l_2[i] + g->l_3[i];
+    const double k_17 = 1.0 / g->l_6[i];
+    g->o[0][i] = o_0;
+    g->o[1][i] = o_1;
+    g->o_12[0][i] = apart_0;
+    g->o_12[1][i] = apart_1;
+    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[1][i] = t2 * t2;
+    g->k[2][i] = 1.0 / k_7;
+    g->k[3][i] = t3 * t3;
+    g->k[4][i] = t4 * t4;
+    g->k[5][i] = g->l_4[i] * g->l_4[i];
+    g->k[6][i] = g->l_6[i] * g->l_6[i];
+    g->k[7][i] = k_7;
+    g->k[8][i] = t5 * t5;
+    g->k[9][i] = t6 * t6;
+    g->k[10][i] = g->l_2[i] * g->l_2[i];
+    g->k[11][i] = fabs(t5);
+    g->k[12][i] = fabs(t3);
+    g->k[13][i] = 1.0 - k_7;
+    g->k[14][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[15][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[16][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[17][i] = k_17;
+    g->k[18][i] = 1.0 - g->l_5[i] * k_17;
+    g->k[19][i] = o_0 - t1;
+    g->k[20][i] = apart_1 + o_1;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -84,28 +84,28 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_angles(
 /* End point of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 17 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_planar_fivebar_coupler_forward(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double assembly[1], const double sine[2],
-    const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double assembly[1],
+    const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     *radicand = h2;
 }
 
@@ -120,29 +120,29 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture_angles(
 /* End point and posture of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 17
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double assembly[1], const double sine[2],
-    const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1,
-    double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double assembly[1],
+    const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d,
+    double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     d[0] = d_0;
     d[1] = d_1;
     u_1[0] = u_1_0;
@@ -163,19 +163,19 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_all_angles(
 /* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (24 add, 18 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_fivebar_coupler_forward_all(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double sine[2], const double cosine[2],
-    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double sine[2],
+    const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0; /* from C to E */
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = sqrt(h2);
     const double t2 = f_0 * along;
     const double t3 = f_1 * across;
@@ -185,44 +185,44 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_all(
     const double meeting_1 = t4 + t5;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
     const double meeting_0_a = t2 + t3;
     const double meeting_1_a = t5 - t4;
     const double w_0_a = meeting_0_a - f_0; /* P - E */
     const double w_1_a = meeting_1_a - f_1;
-    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
-    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
-    s[2] = g->o[0] + d_0_a;
-    s[3] = g->o[1] + d_1_a;
+    const double d_0_a = u_1_0 + g->k[2][i] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2][i] * w_1_a;
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
+    s[2] = g->o[0][i] + d_0_a;
+    s[3] = g->o[1][i] + d_1_a;
     *radicand = h2;
 }
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_inverse(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double s[2], const double mode[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0) - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1) - g->o_12[1];
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[1] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
@@ -236,15 +236,15 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse(
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (41 add, 33 multiply, 1 divide, 3
  * square root, 3 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double s[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -254,12 +254,12 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0) - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1) - g->o_12[1];
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double t6 = p_0 * A_2;
     const double t7 = p_1 * S_2;
     const double n_2 = t6 + t7;
@@ -272,12 +272,12 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const double m_a = t3 + t4;
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7] * (d_0 - u_1_0_a) - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1_a = u_1_1_a + g->k[7] * (d_1 - u_1_1_a) - g->o_12[1];
+    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a) - g->o_12[1][i];
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h2_2_a = (d2_2_a - g->k[8]) * (g->k[9] - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_a = (d2_2_a - g->k[8][i]) * (g->k[9][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
-    const double A_2_a = g->k[10] + d2_2_a - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i]; /* 2 a (a + b cos) */
     const double t10 = p_0_a * A_2_a;
     const double t11 = p_1_a * S_2_a;
     const double n_2_b = t10 + t11;
@@ -304,25 +304,25 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all(
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (22 add, 16 multiply, 1
  * divide, 3 square root, 3 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_reach(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double s[2], const double mode[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0) - g->o_12[0]; /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1) - g->o_12[1];
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2 - g->l_3, g->k[11] - reach_2), krhpr_max(reach_1 - g->l_4 - g->l_6, g->k[12] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[11][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[12][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -337,36 +337,36 @@ static inline void krhpr_subleg_planar_fivebar_coupler_posture_angles(
 /* Posture of the (RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2
  * add, 4 multiply) */
 static inline void krhpr_subleg_planar_fivebar_coupler_posture(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double s[2], const double sine[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
-    d[0] = s[0] - g->o[0];
-    d[1] = s[1] - g->o[1];
-    u_1[0] = g->l_4 * cosine[0];
-    u_1[1] = g->l_4 * sine[0];
-    u_2[0] = g->l_2 * cosine[1];
-    u_2[1] = g->l_2 * sine[1];
+    d[0] = s[0] - g->o[0][i];
+    d[1] = s[1] - g->o[1][i];
+    u_1[0] = g->l_4[i] * cosine[0];
+    u_1[1] = g->l_4[i] * sine[0];
+    u_2[0] = g->l_2[i] * cosine[1];
+    u_2[1] = g->l_2[i] * sine[1];
 }
 
 /* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 25
  * multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_jacobian(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1] - u_2[1]; /* (1.15) */
+    const double t1 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7] * b_22;
+    const double t5 = g->k[7][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -376,28 +376,28 @@ static inline void krhpr_subleg_planar_fivebar_coupler_jacobian(
     M[1] = m_01;
     M[2] = m_10;
     M[3] = m_11;
-    *regularity = fabs(delta * g->k[14]);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (18 add, 29 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_project(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1] - u_2[1]; /* (1.15) */
+    const double t1 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7] * b_22;
+    const double t5 = g->k[7][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -405,34 +405,34 @@ static inline void krhpr_subleg_planar_fivebar_coupler_project(
     const double m_11 = t6 * (v_1_0 * b_33);
     K[0] = N[0] * m_00 + N[1] * m_10;
     K[1] = N[0] * m_01 + N[1] * m_11;
-    *regularity = fabs(delta * g->k[14]);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_velocity(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot,
     double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1] - u_2[1]; /* (1.15) */
+    const double t1 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double w_0 = b_22 * theta_dot[0]; /* B theta_dot */
     const double w_1 = b_32 * theta_dot[0] + b_33 * theta_dot[1];
     const double t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_0 * (g->k[7] * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
-    const double v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g->k[7] * v_2_0));
+    const double v_l_0 = (w_0 * (g->k[7][i] * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
+    const double v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g->k[7][i] * v_2_0));
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
-    *regularity = fabs(delta * g->k[14]);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -447,105 +447,105 @@ static inline void krhpr_subleg_planar_fivebar_coupler_bias_angles(
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (45 add, 71 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_bias(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double s[2], const double theta_dot[2],
-    const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
-    double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
+    const double theta_dot[2], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot,
+    double *KRHPR_RESTRICT bias, double *KRHPR_RESTRICT regularity)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[7];
-    const double v_2_0 = u_1_0 + t1 - g->o_12[0] - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
-    const double v_2_1 = u_1_1 + t2 - g->o_12[1] - u_2_1; /* (1.15) */
+    const double t1 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1_0 + t1 - g->o_12[0][i] - u_2_0; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1_1 + t2 - g->o_12[1][i] - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t3 = theta_dot[0] * (g->k[7] * b_22);
+    const double t3 = theta_dot[0] * (g->k[7][i] * b_22);
     const double t4 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
     const double t5 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double s_dot_0 = (v_2_1 * t3 - v_1_1 * t4) * t5;
     const double s_dot_1 = t5 * (v_1_0 * t4 - v_2_0 * t3);
-    const double t6 = g->l_4 * (theta_dot[0] * sine[0]);
-    const double t7 = g->l_4 * (theta_dot[0] * cosine[0]);
-    const double t8 = g->l_2 * (theta_dot[1] * sine[1]);
-    const double t9 = g->l_2 * (theta_dot[1] * cosine[1]);
+    const double t6 = g->l_4[i] * (theta_dot[0] * sine[0]);
+    const double t7 = g->l_4[i] * (theta_dot[0] * cosine[0]);
+    const double t8 = g->l_2[i] * (theta_dot[1] * sine[1]);
+    const double t9 = g->l_2[i] * (theta_dot[1] * cosine[1]);
     const double t10 = s_dot_0 + t6;
     const double t11 = s_dot_1 - t7;
-    const double t12 = g->k[7] * t10;
+    const double t12 = g->k[7][i] * t10;
     const double t13 = t8 + (t12 - t6);
-    const double t14 = g->k[7] * t11;
+    const double t14 = g->k[7][i] * t11;
     const double t15 = t7 + t14 - t9;
-    const double t16 = theta_dot[0] * (g->k[7] * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
-    const double t17 = theta_dot[0] * (g->k[13] * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
+    const double t16 = theta_dot[0] * (g->k[7][i] * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
+    const double t17 = theta_dot[0] * (g->k[13][i] * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
     const double t18 = t17 + theta_dot[1] * (u_2_0 * t15 - v_2_1 * t8 - (v_2_0 * t9 + u_2_1 * t13));
     const double t19 = v_2_1 * t12 + t1 * t15 - (t2 * t13 + v_2_0 * t14);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     bias[0] = t5 * (t3 * t15 + v_2_1 * t16 - (t4 * t11 + v_1_1 * t18) - s_dot_0 * t19);
     bias[1] = t5 * (t4 * t10 + v_1_0 * t18 - (t3 * t13 + v_2_0 * t16) - s_dot_1 * t19);
-    *regularity = fabs(delta * g->k[14]);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (14 add, 20 multiply, 2 divide, 3 select) */
 static inline void krhpr_subleg_planar_fivebar_coupler_rates(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
-    const double w_1 = v_2_0 * (g->k[7] * s_dot[0]) + v_2_1 * (g->k[7] * s_dot[1]);
+    const double w_1 = v_2_0 * (g->k[7][i] * s_dot[0]) + v_2_1 * (g->k[7][i] * s_dot[1]);
     const double t1 = 1.0 / b_22;
     theta_dot[0] = w_0 * t1;
     theta_dot[1] = (w_1 - t1 * (b_32 * w_0)) / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[15]), fabs(b_33 * g->k[16]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
 }
 
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 13 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_fivebar_coupler_determinant(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - g->o_12[1] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g->k[7] * delta);
-    factors[0] = b_22 * g->k[15];
-    factors[1] = b_33 * g->k[16];
-    factors[2] = delta * g->k[14];
+    *det_M = b_22 * b_33 / (g->k[7][i] * delta);
+    factors[0] = b_22 * g->k[15][i];
+    factors[1] = b_33 * g->k[16][i];
+    factors[2] = delta * g->k[14][i];
 }
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16 multiply) */
 static inline void krhpr_subleg_planar_fivebar_coupler_passive(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[18] - g->o_12[0] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[18] - g->o_12[1] - u_2[1];
-    link[0] = v_1_0 * g->k[17];
-    link[1] = v_1_1 * g->k[17];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[18][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[18][i] - g->o_12[1][i] - u_2[1];
+    link[0] = v_1_0 * g->k[17][i];
+    link[1] = v_1_1 * g->k[17][i];
     tail_y[0] = u_1[0] * v_1_1 - u_1[1] * v_1_0;
     tail_y[1] = u_2[0] * v_2_1 - u_2[1] * v_2_0;
     tail_y[2] = v_1_1 * v_2_0 - v_1_0 * v_2_1;
@@ -556,21 +556,21 @@ static inline void krhpr_subleg_planar_fivebar_coupler_passive(
 
 /* Joints of the (RR-RRR) sub-leg, from the base to S_i.  (10 add, 2 multiply) */
 static inline void krhpr_subleg_planar_fivebar_coupler_points(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, const double d[2], const double u_1[2],
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s[2], double *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0] + g->k[7] * (d[0] - u_1[0]);
-    const double p_1 = u_1[1] + g->k[7] * (d[1] - u_1[1]);
-    points[0] = g->o[0];
-    points[1] = g->o[1];
-    points[2] = g->k[19];
-    points[3] = g->k[20];
-    points[4] = g->o[0] + u_1[0];
-    points[5] = g->o[1] + u_1[1];
-    points[6] = u_2[0] + g->k[19];
-    points[7] = u_2[1] + g->k[20];
-    points[8] = g->o[0] + p_0;
-    points[9] = g->o[1] + p_1;
+    const double p_0 = u_1[0] + g->k[7][i] * (d[0] - u_1[0]);
+    const double p_1 = u_1[1] + g->k[7][i] * (d[1] - u_1[1]);
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
+    points[2] = g->k[19][i];
+    points[3] = g->k[20][i];
+    points[4] = g->o[0][i] + u_1[0];
+    points[5] = g->o[1][i] + u_1[1];
+    points[6] = u_2[0] + g->k[19][i];
+    points[7] = u_2[1] + g->k[20][i];
+    points[8] = g->o[0][i] + p_0;
+    points[9] = g->o[1][i] + p_1;
     points[10] = s[0];
     points[11] = s[1];
 }

@@ -11,59 +11,59 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_pp_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_pp_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double slide_1; /* direction of the first slide, from the leg's radial direction (rad) */
-    double slide_2; /* direction of the second slide, from the leg's radial direction (rad) */
-    double o[2]; /* base joint */
-    double e_1[2]; /* direction of slide 1 */
-    double e_2[2]; /* direction of slide 2 */
-    double k[3]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double slide_1[KRHPR_PLACES]; /* direction of the first slide, from the leg's radial direction (rad) */
+    double slide_2[KRHPR_PLACES]; /* direction of the second slide, from the leg's radial direction (rad) */
+    double o[2][KRHPR_PLACES]; /* base joint */
+    double e_1[2][KRHPR_PLACES]; /* direction of slide 1 */
+    double e_2[2][KRHPR_PLACES]; /* direction of slide 2 */
+    double k[3][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_pp_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (3 add, 4 multiply, 1 divide, 3 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_planar_pp_prepare(krhpr_subleg_planar_pp_geometry *g)
+static inline void krhpr_subleg_planar_pp_prepare(krhpr_subleg_planar_pp_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->azimuth + g->slide_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->azimuth[i] + g->slide_1[i];
     double e_1_1, e_1_0; krhpr_sincos(t1, &e_1_1, &e_1_0);
-    const double t2 = g->azimuth + g->slide_2;
+    const double t2 = g->azimuth[i] + g->slide_2[i];
     double e_2_1, e_2_0; krhpr_sincos(t2, &e_2_1, &e_2_0);
     const double k_2 = e_1_0 * e_2_1 - e_1_1 * e_2_0;
-    g->o[0] = g->R_b * e_r_0;
-    g->o[1] = g->R_b * e_r_1;
-    g->e_1[0] = e_1_0;
-    g->e_1[1] = e_1_1;
-    g->e_2[0] = e_2_0;
-    g->e_2[1] = e_2_1;
-    g->k[0] = 1.0 / k_2;
-    g->k[1] = fabs(k_2);
-    g->k[2] = k_2;
+    g->o[0][i] = g->R_b[i] * e_r_0;
+    g->o[1][i] = g->R_b[i] * e_r_1;
+    g->e_1[0][i] = e_1_0;
+    g->e_1[1][i] = e_1_1;
+    g->e_2[0][i] = e_2_0;
+    g->e_2[1][i] = e_2_1;
+    g->k[0][i] = 1.0 / k_2;
+    g->k[1][i] = fabs(k_2);
+    g->k[2][i] = k_2;
 }
 
 /* End point of the PP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pp_forward(
-    const krhpr_subleg_planar_pp_geometry *g, const double theta[2], double *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s)
 {
-    const double v_0 = g->e_2[0] * theta[1];
-    const double v_1 = g->e_2[1] * theta[1];
-    s[0] = g->o[0] + v_0 + g->e_1[0] * theta[0];
-    s[1] = g->o[1] + v_1 + g->e_1[1] * theta[0];
+    const double v_0 = g->e_2[0][i] * theta[1];
+    const double v_1 = g->e_2[1][i] * theta[1];
+    s[0] = g->o[0][i] + v_0 + g->e_1[0][i] * theta[0];
+    s[1] = g->o[1][i] + v_1 + g->e_1[1][i] * theta[0];
 }
 
 /* End point and posture of the PP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pp_forward_posture(
-    const krhpr_subleg_planar_pp_geometry *g, const double theta[2], double *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT v)
 {
-    const double v_0 = g->e_2[0] * theta[1];
-    const double v_1 = g->e_2[1] * theta[1];
-    s[0] = g->o[0] + v_0 + g->e_1[0] * theta[0];
-    s[1] = g->o[1] + v_1 + g->e_1[1] * theta[0];
+    const double v_0 = g->e_2[0][i] * theta[1];
+    const double v_1 = g->e_2[1][i] * theta[1];
+    s[0] = g->o[0][i] + v_0 + g->e_1[0][i] * theta[0];
+    s[1] = g->o[1][i] + v_1 + g->e_1[1][i] * theta[0];
     v[0] = v_0;
     v[1] = v_1;
 }
@@ -71,72 +71,73 @@ static inline void krhpr_subleg_planar_pp_forward_posture(
 /* Actuated joints of the PP sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (4 add, 6 multiply) */
 static inline void krhpr_subleg_planar_pp_inverse(
-    const krhpr_subleg_planar_pp_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0] - g->o[0];
-    const double d_1 = s[1] - g->o[1];
-    theta[0] = (g->e_2[1] * d_0 - g->e_2[0] * d_1) * g->k[0];
-    theta[1] = g->k[0] * (g->e_1[0] * d_1 - g->e_1[1] * d_0);
+    const double d_0 = s[0] - g->o[0][i];
+    const double d_1 = s[1] - g->o[1][i];
+    theta[0] = (g->e_2[1][i] * d_0 - g->e_2[0][i] * d_1) * g->k[0][i];
+    theta[1] = g->k[0][i] * (g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0);
     *radicand = 1.0;
 }
 
 /* Every working mode of the PP sub-leg, in the order only; NaN where a mode does not exist.  Thesis: 2.2.3,
  * 2.5.  (4 add, 6 multiply) */
 static inline void krhpr_subleg_planar_pp_inverse_all(
-    const krhpr_subleg_planar_pp_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0] - g->o[0];
-    const double d_1 = s[1] - g->o[1];
-    theta[0] = (g->e_2[1] * d_0 - g->e_2[0] * d_1) * g->k[0];
-    theta[1] = g->k[0] * (g->e_1[0] * d_1 - g->e_1[1] * d_0);
+    const double d_0 = s[0] - g->o[0][i];
+    const double d_1 = s[1] - g->o[1][i];
+    theta[0] = (g->e_2[1][i] * d_0 - g->e_2[0][i] * d_1) * g->k[0][i];
+    theta[1] = g->k[0][i] * (g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0);
     *radicand = 1.0;
 }
 
 /* Distance by which the end point lies outside the reach of the PP sub-leg.  (no operations) */
 static inline void krhpr_subleg_planar_pp_reach(
-    const krhpr_subleg_planar_pp_geometry *g, double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     *excess = 0.0;
 }
 
 /* Posture of the PP sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 multiply) */
 static inline void krhpr_subleg_planar_pp_posture(
-    const krhpr_subleg_planar_pp_geometry *g, const double s[2], const double theta[2],
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], const double theta[2],
     double *KRHPR_RESTRICT v)
 {
     (void)(s);
-    v[0] = g->e_2[0] * theta[1];
-    v[1] = g->e_2[1] * theta[1];
+    v[0] = g->e_2[0][i] * theta[1];
+    v[1] = g->e_2[1][i] * theta[1];
 }
 
 /* Jacobian M_i of the PP sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_planar_pp_jacobian(
-    const krhpr_subleg_planar_pp_geometry *g, double *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT M)
 {
-    M[0] = g->e_1[0];
-    M[1] = g->e_2[0];
-    M[2] = g->e_1[1];
-    M[3] = g->e_2[1];
+    M[0] = g->e_1[0][i];
+    M[1] = g->e_2[0][i];
+    M[2] = g->e_1[1][i];
+    M[3] = g->e_2[1][i];
 }
 
 /* Rows of K: N M_i for the PP sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pp_project(
-    const krhpr_subleg_planar_pp_geometry *g, const double N[2], double *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double N[2], double *KRHPR_RESTRICT K)
 {
-    K[0] = g->e_1[0] * N[0] + g->e_1[1] * N[1];
-    K[1] = g->e_2[0] * N[0] + g->e_2[1] * N[1];
+    K[0] = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1];
+    K[1] = g->e_2[0][i] * N[0] + g->e_2[1][i] * N[1];
 }
 
 /* Velocity of the end point of the PP sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pp_velocity(
-    const krhpr_subleg_planar_pp_geometry *g, const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
-    const double w_0 = g->e_1[0] * theta_dot[0] + g->e_2[0] * theta_dot[1];
-    const double w_1 = g->e_1[1] * theta_dot[0] + g->e_2[1] * theta_dot[1];
+    const double w_0 = g->e_1[0][i] * theta_dot[0] + g->e_2[0][i] * theta_dot[1];
+    const double w_1 = g->e_1[1][i] * theta_dot[0] + g->e_2[1][i] * theta_dot[1];
     s_dot[0] = w_0;
     s_dot[1] = w_1;
 }
@@ -144,13 +145,13 @@ static inline void krhpr_subleg_planar_pp_velocity(
 /* Velocity of the end point of the PP sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pp_bias(
-    const krhpr_subleg_planar_pp_geometry *g, const double s[2], const double theta[2],
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], const double theta[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     (void)(s);
     (void)(theta);
-    s_dot[0] = g->e_1[0] * theta_dot[0] + g->e_2[0] * theta_dot[1];
-    s_dot[1] = g->e_1[1] * theta_dot[0] + g->e_2[1] * theta_dot[1];
+    s_dot[0] = g->e_1[0][i] * theta_dot[0] + g->e_2[0][i] * theta_dot[1];
+    s_dot[1] = g->e_1[1][i] * theta_dot[0] + g->e_2[1][i] * theta_dot[1];
     bias[0] = 0.0;
     bias[1] = 0.0;
 }
@@ -158,37 +159,38 @@ static inline void krhpr_subleg_planar_pp_bias(
 /* Actuated joint rates of the PP sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply) */
 static inline void krhpr_subleg_planar_pp_rates(
-    const krhpr_subleg_planar_pp_geometry *g, const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
-    theta_dot[0] = (g->e_2[1] * s_dot[0] - g->e_2[0] * s_dot[1]) * g->k[0];
-    theta_dot[1] = g->k[0] * (g->e_1[0] * s_dot[1] - g->e_1[1] * s_dot[0]);
-    *regularity = g->k[1];
+    theta_dot[0] = (g->e_2[1][i] * s_dot[0] - g->e_2[0][i] * s_dot[1]) * g->k[0][i];
+    theta_dot[1] = g->k[0][i] * (g->e_1[0][i] * s_dot[1] - g->e_1[1][i] * s_dot[0]);
+    *regularity = g->k[1][i];
 }
 
 /* det M_i of the PP sub-leg and its dimensionless factors: slides.  Thesis: 1.4.  (no operations) */
 static inline void krhpr_subleg_planar_pp_determinant(
-    const krhpr_subleg_planar_pp_geometry *g, double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT det_M,
+    double *KRHPR_RESTRICT factors)
 {
-    *det_M = g->k[2];
-    factors[0] = g->k[2];
+    *det_M = g->k[2][i];
+    factors[0] = g->k[2][i];
 }
 
 /* Passive joints of the PP sub-leg and the orientation of its last link.  (no operations) */
 static inline void krhpr_subleg_planar_pp_passive(
-    const krhpr_subleg_planar_pp_geometry *g, double *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT link)
 {
-    link[0] = g->e_2[0];
-    link[1] = g->e_2[1];
+    link[0] = g->e_2[0][i];
+    link[1] = g->e_2[1][i];
 }
 
 /* Joints of the PP sub-leg, from the base to S_i.  (2 add) */
 static inline void krhpr_subleg_planar_pp_points(
-    const krhpr_subleg_planar_pp_geometry *g, const double v[2], const double s[2],
+    const krhpr_subleg_planar_pp_geometry *g, int i, const double v[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
     points[2] = s[0] - v[0];
     points[3] = s[1] - v[1];
     points[4] = s[0];

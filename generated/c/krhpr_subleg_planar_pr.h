@@ -11,31 +11,31 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_pr_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_pr_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double slide; /* direction of the slide, from the leg's radial direction (rad) */
-    double l_1; /* link (m) */
-    double o[2]; /* base joint */
-    double e_1[2]; /* direction of slide 1 */
-    double k[2]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double slide[KRHPR_PLACES]; /* direction of the slide, from the leg's radial direction (rad) */
+    double l_1[KRHPR_PLACES]; /* link (m) */
+    double o[2][KRHPR_PLACES]; /* base joint */
+    double e_1[2][KRHPR_PLACES]; /* direction of slide 1 */
+    double k[2][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_pr_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (1 add, 3 multiply, 1 divide, 2 sine
  * cosine) */
-static inline void krhpr_subleg_planar_pr_prepare(krhpr_subleg_planar_pr_geometry *g)
+static inline void krhpr_subleg_planar_pr_prepare(krhpr_subleg_planar_pr_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->azimuth + g->slide;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->azimuth[i] + g->slide[i];
     double e_1_1, e_1_0; krhpr_sincos(t1, &e_1_1, &e_1_0);
-    g->o[0] = g->R_b * e_r_0;
-    g->o[1] = g->R_b * e_r_1;
-    g->e_1[0] = e_1_0;
-    g->e_1[1] = e_1_1;
-    g->k[0] = g->l_1 * g->l_1;
-    g->k[1] = 1.0 / g->l_1;
+    g->o[0][i] = g->R_b[i] * e_r_0;
+    g->o[1][i] = g->R_b[i] * e_r_1;
+    g->e_1[0][i] = e_1_0;
+    g->e_1[1][i] = e_1_1;
+    g->k[0][i] = g->l_1[i] * g->l_1[i];
+    g->k[1][i] = 1.0 / g->l_1[i];
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -46,13 +46,13 @@ static inline void krhpr_subleg_planar_pr_forward_angles(const double theta[2], 
 
 /* End point of the PR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pr_forward(
-    const krhpr_subleg_planar_pr_geometry *g, const double theta[2], const double sine[1],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s)
 {
-    const double u_0 = g->l_1 * cosine[0];
-    const double u_1 = g->l_1 * sine[0];
-    s[0] = g->o[0] + u_0 + g->e_1[0] * theta[0];
-    s[1] = g->o[1] + u_1 + g->e_1[1] * theta[0];
+    const double u_0 = g->l_1[i] * cosine[0];
+    const double u_1 = g->l_1[i] * sine[0];
+    s[0] = g->o[0][i] + u_0 + g->e_1[0][i] * theta[0];
+    s[1] = g->o[1][i] + u_1 + g->e_1[1][i] * theta[0];
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
@@ -64,13 +64,13 @@ static inline void krhpr_subleg_planar_pr_forward_posture_angles(
 
 /* End point and posture of the PR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pr_forward_posture(
-    const krhpr_subleg_planar_pr_geometry *g, const double theta[2], const double sine[1],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT u)
 {
-    const double u_0 = g->l_1 * cosine[0];
-    const double u_1 = g->l_1 * sine[0];
-    s[0] = g->o[0] + u_0 + g->e_1[0] * theta[0];
-    s[1] = g->o[1] + u_1 + g->e_1[1] * theta[0];
+    const double u_0 = g->l_1[i] * cosine[0];
+    const double u_1 = g->l_1[i] * sine[0];
+    s[0] = g->o[0][i] + u_0 + g->e_1[0][i] * theta[0];
+    s[1] = g->o[1][i] + u_1 + g->e_1[1][i] * theta[0];
     u[0] = u_0;
     u[1] = u_1;
 }
@@ -78,16 +78,16 @@ static inline void krhpr_subleg_planar_pr_forward_posture(
 /* Actuated joints of the PR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (8 add, 10 multiply, 1 square root, 1 arctangent) */
 static inline void krhpr_subleg_planar_pr_inverse(
-    const krhpr_subleg_planar_pr_geometry *g, const double s[2], const double mode[1],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double across = g->e_1[0] * d_1 - g->e_1[1] * d_0; /* the link's part normal to e */
-    const double h2 = g->k[0] - across * across;
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double across = g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0; /* the link's part normal to e */
+    const double h2 = g->k[0][i] - across * across;
     const double along = mode[0] * sqrt(h2); /* the link's part along e */
-    const double theta_1 = krhpr_atan2(g->e_1[0] * across + g->e_1[1] * along, g->e_1[0] * along - g->e_1[1] * across);
-    theta[0] = g->e_1[0] * d_0 + g->e_1[1] * d_1 - along;
+    const double theta_1 = krhpr_atan2(g->e_1[0][i] * across + g->e_1[1][i] * along, g->e_1[0][i] * along - g->e_1[1][i] * across);
+    theta[0] = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 - along;
     theta[1] = theta_1;
     *radicand = h2;
 }
@@ -95,19 +95,19 @@ static inline void krhpr_subleg_planar_pr_inverse(
 /* Every working mode of the PR sub-leg, in the order ahead, behind; NaN where a mode does not exist.
  * Thesis: 2.2.3, 2.5.  (11 add, 9 multiply, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_pr_inverse_all(
-    const krhpr_subleg_planar_pr_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double across = g->e_1[0] * d_1 - g->e_1[1] * d_0; /* the link's part normal to e */
-    const double h2 = g->k[0] - across * across;
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double across = g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0; /* the link's part normal to e */
+    const double h2 = g->k[0][i] - across * across;
     const double along = sqrt(h2); /* the link's part along e */
-    const double t1 = g->e_1[0] * across;
-    const double t2 = g->e_1[1] * along;
-    const double t3 = g->e_1[0] * along;
-    const double t4 = g->e_1[1] * across;
-    const double t5 = g->e_1[0] * d_0 + g->e_1[1] * d_1;
+    const double t1 = g->e_1[0][i] * across;
+    const double t2 = g->e_1[1][i] * along;
+    const double t3 = g->e_1[0][i] * along;
+    const double t4 = g->e_1[1][i] * across;
+    const double t5 = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1;
     theta[0] = t5 - along;
     theta[1] = krhpr_atan2(t1 + t2, t3 - t4);
     theta[2] = along + t5;
@@ -117,9 +117,10 @@ static inline void krhpr_subleg_planar_pr_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the PR sub-leg.  (4 add, 2 multiply, 1 select) */
 static inline void krhpr_subleg_planar_pr_reach(
-    const krhpr_subleg_planar_pr_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    *excess = fabs(g->e_1[0] * (s[1] - g->o[1]) - g->e_1[1] * (s[0] - g->o[0])) - g->l_1;
+    const double excess_a = fabs(g->e_1[0][i] * (s[1] - g->o[1][i]) - g->e_1[1][i] * (s[0] - g->o[0][i])) - g->l_1[i];
+    *excess = excess_a;
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
@@ -130,40 +131,41 @@ static inline void krhpr_subleg_planar_pr_posture_angles(const double theta[2], 
 
 /* Posture of the PR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 multiply) */
 static inline void krhpr_subleg_planar_pr_posture(
-    const krhpr_subleg_planar_pr_geometry *g, const double sine[1], const double cosine[1],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT u)
 {
-    u[0] = g->l_1 * cosine[0];
-    u[1] = g->l_1 * sine[0];
+    u[0] = g->l_1[i] * cosine[0];
+    u[1] = g->l_1[i] * sine[0];
 }
 
 /* Jacobian M_i of the PR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_planar_pr_jacobian(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], double *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT M)
 {
     const double m_01 = -u[1];
-    M[0] = g->e_1[0];
+    M[0] = g->e_1[0][i];
     M[1] = m_01;
-    M[2] = g->e_1[1];
+    M[2] = g->e_1[1][i];
     M[3] = u[0];
 }
 
 /* Rows of K: N M_i for the PR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pr_project(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], const double N[2], double *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double N[2],
+    double *KRHPR_RESTRICT K)
 {
-    K[0] = g->e_1[0] * N[0] + g->e_1[1] * N[1];
+    K[0] = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1];
     K[1] = u[0] * N[1] - u[1] * N[0];
 }
 
 /* Velocity of the end point of the PR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_pr_velocity(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], const double theta_dot[2],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double theta_dot[2],
     double *KRHPR_RESTRICT s_dot)
 {
-    const double w_0 = g->e_1[0] * theta_dot[0] - u[1] * theta_dot[1];
-    const double w_1 = g->e_1[1] * theta_dot[0] + u[0] * theta_dot[1];
+    const double w_0 = g->e_1[0][i] * theta_dot[0] - u[1] * theta_dot[1];
+    const double w_1 = g->e_1[1][i] * theta_dot[0] + u[0] * theta_dot[1];
     s_dot[0] = w_0;
     s_dot[1] = w_1;
 }
@@ -177,55 +179,55 @@ static inline void krhpr_subleg_planar_pr_bias_angles(const double theta[2], dou
 /* Velocity of the end point of the PR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (2 add, 12 multiply) */
 static inline void krhpr_subleg_planar_pr_bias(
-    const krhpr_subleg_planar_pr_geometry *g, const double theta_dot[2], const double sine[1],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double theta_dot[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
-    const double u_0 = g->l_1 * cosine[0];
-    const double u_1 = g->l_1 * sine[0];
-    s_dot[0] = g->e_1[0] * theta_dot[0] - theta_dot[1] * u_1;
-    s_dot[1] = g->e_1[1] * theta_dot[0] + theta_dot[1] * u_0;
-    bias[0] = -theta_dot[1] * (g->l_1 * (theta_dot[1] * cosine[0]));
-    bias[1] = -theta_dot[1] * (g->l_1 * (theta_dot[1] * sine[0]));
+    const double u_0 = g->l_1[i] * cosine[0];
+    const double u_1 = g->l_1[i] * sine[0];
+    s_dot[0] = g->e_1[0][i] * theta_dot[0] - theta_dot[1] * u_1;
+    s_dot[1] = g->e_1[1][i] * theta_dot[0] + theta_dot[1] * u_0;
+    bias[0] = -theta_dot[1] * (g->l_1[i] * (theta_dot[1] * cosine[0]));
+    bias[1] = -theta_dot[1] * (g->l_1[i] * (theta_dot[1] * sine[0]));
 }
 
 /* Actuated joint rates of the PR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_pr_rates(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], const double s_dot[2],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double s_dot[2],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
-    const double along = g->e_1[0] * u[0] + g->e_1[1] * u[1]; /* e^T u */
+    const double along = g->e_1[0][i] * u[0] + g->e_1[1][i] * u[1]; /* e^T u */
     const double t1 = 1.0 / along;
     theta_dot[0] = (u[0] * s_dot[0] + u[1] * s_dot[1]) * t1;
-    theta_dot[1] = t1 * (g->e_1[0] * s_dot[1] - g->e_1[1] * s_dot[0]);
-    *regularity = fabs(along * g->k[1]);
+    theta_dot[1] = t1 * (g->e_1[0][i] * s_dot[1] - g->e_1[1][i] * s_dot[0]);
+    *regularity = fabs(along * g->k[1][i]);
 }
 
 /* det M_i of the PR sub-leg and its dimensionless factors: link.  Thesis: 1.4.  (1 add, 3 multiply) */
 static inline void krhpr_subleg_planar_pr_determinant(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], double *KRHPR_RESTRICT det_M,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
 {
-    const double along = g->e_1[0] * u[0] + g->e_1[1] * u[1];
+    const double along = g->e_1[0][i] * u[0] + g->e_1[1][i] * u[1];
     *det_M = along;
-    factors[0] = along * g->k[1];
+    factors[0] = along * g->k[1][i];
 }
 
 /* Passive joints of the PR sub-leg and the orientation of its last link.  (2 multiply) */
 static inline void krhpr_subleg_planar_pr_passive(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], double *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT link)
 {
-    link[0] = u[0] * g->k[1];
-    link[1] = u[1] * g->k[1];
+    link[0] = u[0] * g->k[1][i];
+    link[1] = u[1] * g->k[1][i];
 }
 
 /* Joints of the PR sub-leg, from the base to S_i.  (2 add) */
 static inline void krhpr_subleg_planar_pr_points(
-    const krhpr_subleg_planar_pr_geometry *g, const double u[2], const double s[2],
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
     points[2] = s[0] - u[0];
     points[3] = s[1] - u[1];
     points[4] = s[0];

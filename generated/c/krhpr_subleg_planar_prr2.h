@@ -11,68 +11,68 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_prr2_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_prr2_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double l_0; /* distance of the two base joints, along e_t (m) */
-    double slide_1; /* direction of the first slide, from the leg's radial direction (rad) */
-    double slide_2; /* direction of the second slide, from the leg's radial direction (rad) */
-    double l_1; /* first link (m) */
-    double l_2; /* second link (m) */
-    double o[2]; /* first base joint */
-    double o_12[2]; /* from the first base joint to the second */
-    double e_1[2]; /* direction of slide 1 */
-    double e_2[2]; /* direction of slide 2 */
-    double k[6]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double l_0[KRHPR_PLACES]; /* distance of the two base joints, along e_t (m) */
+    double slide_1[KRHPR_PLACES]; /* direction of the first slide, from the leg's radial direction (rad) */
+    double slide_2[KRHPR_PLACES]; /* direction of the second slide, from the leg's radial direction (rad) */
+    double l_1[KRHPR_PLACES]; /* first link (m) */
+    double l_2[KRHPR_PLACES]; /* second link (m) */
+    double o[2][KRHPR_PLACES]; /* first base joint */
+    double o_12[2][KRHPR_PLACES]; /* from the first base joint to the second */
+    double e_1[2][KRHPR_PLACES]; /* direction of slide 1 */
+    double e_2[2][KRHPR_PLACES]; /* direction of slide 2 */
+    double k[6][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_prr2_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (6 add, 8 multiply, 2 divide, 3 sine
  * cosine) */
-static inline void krhpr_subleg_planar_prr2_prepare(krhpr_subleg_planar_prr2_geometry *g)
+static inline void krhpr_subleg_planar_prr2_prepare(krhpr_subleg_planar_prr2_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->l_0 * e_r_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_0[i] * e_r_1;
     const double apart_0 = -t1;
-    const double apart_1 = g->l_0 * e_r_0;
-    const double o_0 = g->R_b * e_r_0 + t1 * 0.5;
-    const double o_1 = g->R_b * e_r_1 - apart_1 * 0.5;
-    const double t2 = g->azimuth + g->slide_1;
+    const double apart_1 = g->l_0[i] * e_r_0;
+    const double o_0 = g->R_b[i] * e_r_0 + t1 * 0.5;
+    const double o_1 = g->R_b[i] * e_r_1 - apart_1 * 0.5;
+    const double t2 = g->azimuth[i] + g->slide_1[i];
     double e_1_1, e_1_0; krhpr_sincos(t2, &e_1_1, &e_1_0);
-    const double t3 = g->azimuth + g->slide_2;
+    const double t3 = g->azimuth[i] + g->slide_2[i];
     double e_2_1, e_2_0; krhpr_sincos(t3, &e_2_1, &e_2_0);
-    const double k_2 = g->l_1 * g->l_1;
-    g->o[0] = o_0;
-    g->o[1] = o_1;
-    g->o_12[0] = apart_0;
-    g->o_12[1] = apart_1;
-    g->e_1[0] = e_1_0;
-    g->e_1[1] = e_1_1;
-    g->e_2[0] = e_2_0;
-    g->e_2[1] = e_2_1;
-    g->k[0] = o_0 - t1;
-    g->k[1] = apart_1 + o_1;
-    g->k[2] = k_2;
-    g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = 1.0 / k_2;
-    g->k[5] = 1.0 / g->l_1;
+    const double k_2 = g->l_1[i] * g->l_1[i];
+    g->o[0][i] = o_0;
+    g->o[1][i] = o_1;
+    g->o_12[0][i] = apart_0;
+    g->o_12[1][i] = apart_1;
+    g->e_1[0][i] = e_1_0;
+    g->e_1[1][i] = e_1_1;
+    g->e_2[0][i] = e_2_0;
+    g->e_2[1][i] = e_2_1;
+    g->k[0][i] = o_0 - t1;
+    g->k[1][i] = apart_1 + o_1;
+    g->k[2][i] = k_2;
+    g->k[3][i] = g->l_2[i] * g->l_2[i];
+    g->k[4][i] = 1.0 / k_2;
+    g->k[5][i] = 1.0 / g->l_1[i];
 }
 
 /* End point of the (2-PRR) sub-leg from its actuated joints.  Thesis: 3.5.  (14 add, 15 multiply, 1 divide,
  * 1 square root) */
 static inline void krhpr_subleg_planar_prr2_forward(
-    const krhpr_subleg_planar_prr2_geometry *g, const double theta[2], const double assembly[1],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double d_1_0 = g->o[0] + g->e_1[0] * theta[0]; /* first slider */
-    const double d_1_1 = g->o[1] + g->e_1[1] * theta[0];
-    const double line_0 = g->k[0] + g->e_2[0] * theta[1] - d_1_0; /* from the first slider to the second */
-    const double line_1 = g->k[1] + g->e_2[1] * theta[1] - d_1_1;
+    const double d_1_0 = g->o[0][i] + g->e_1[0][i] * theta[0]; /* first slider */
+    const double d_1_1 = g->o[1][i] + g->e_1[1][i] * theta[0];
+    const double line_0 = g->k[0][i] + g->e_2[0][i] * theta[1] - d_1_0; /* from the first slider to the second */
+    const double line_1 = g->k[1][i] + g->e_2[1][i] * theta[1] - d_1_1;
     const double d2 = line_0 * line_0 + line_1 * line_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[2] - g->k[3]) * t1;
-    const double h2 = g->k[2] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[2][i] - g->k[3][i]) * t1;
+    const double h2 = g->k[2][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = line_0 * along - line_1 * across;
     const double meeting_1 = line_0 * across + line_1 * along;
@@ -86,58 +86,58 @@ static inline void krhpr_subleg_planar_prr2_forward(
 /* End point and posture of the (2-PRR) sub-leg from its actuated joints.  Thesis: 3.5.  (24 add, 19
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_prr2_forward_posture(
-    const krhpr_subleg_planar_prr2_geometry *g, const double theta[2], const double assembly[1],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT radicand)
 {
-    const double t1 = g->e_1[0] * theta[0];
-    const double d_1_0 = g->o[0] + t1; /* first slider */
-    const double t2 = g->e_1[1] * theta[0];
-    const double d_1_1 = g->o[1] + t2; /* first slider */
-    const double t3 = g->e_2[0] * theta[1];
-    const double line_0 = g->k[0] + t3 - d_1_0; /* from the first slider to the second */
-    const double t4 = g->e_2[1] * theta[1];
-    const double line_1 = g->k[1] + t4 - d_1_1; /* from the first slider to the second */
+    const double t1 = g->e_1[0][i] * theta[0];
+    const double d_1_0 = g->o[0][i] + t1; /* first slider */
+    const double t2 = g->e_1[1][i] * theta[0];
+    const double d_1_1 = g->o[1][i] + t2; /* first slider */
+    const double t3 = g->e_2[0][i] * theta[1];
+    const double line_0 = g->k[0][i] + t3 - d_1_0; /* from the first slider to the second */
+    const double t4 = g->e_2[1][i] * theta[1];
+    const double line_1 = g->k[1][i] + t4 - d_1_1; /* from the first slider to the second */
     const double d2 = line_0 * line_0 + line_1 * line_1;
     const double t5 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[2] - g->k[3]) * t5;
-    const double h2 = g->k[2] * t5 - along * along;
+    const double along = 0.5 * (d2 + g->k[2][i] - g->k[3][i]) * t5;
+    const double h2 = g->k[2][i] * t5 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = line_0 * along - line_1 * across;
     const double meeting_1 = line_0 * across + line_1 * along;
     const double r_0 = d_1_0 + meeting_0;
     const double r_1 = d_1_1 + meeting_1;
-    const double t6 = r_0 - g->o[0];
+    const double t6 = r_0 - g->o[0][i];
     const double w_1_0 = t6 - t1; /* link 1 */
-    const double t7 = r_1 - g->o[1];
+    const double t7 = r_1 - g->o[1][i];
     const double w_1_1 = t7 - t2; /* link 1 */
-    const double w_2_0 = t6 - g->o_12[0] - t3; /* link 2 */
-    const double w_2_1 = t7 - g->o_12[1] - t4;
+    const double w_2_0 = t6 - g->o_12[0][i] - t3; /* link 2 */
+    const double w_2_1 = t7 - g->o_12[1][i] - t4;
     s[0] = r_0;
     s[1] = r_1;
     w[0] = w_1_0;
     w[1] = w_1_1;
     w[2] = w_2_0;
     w[3] = w_2_1;
-    b[0] = g->e_1[0] * w_1_0 + g->e_1[1] * w_1_1;
-    b[1] = g->e_2[0] * w_2_0 + g->e_2[1] * w_2_1;
+    b[0] = g->e_1[0][i] * w_1_0 + g->e_1[1][i] * w_1_1;
+    b[1] = g->e_2[0][i] * w_2_0 + g->e_2[1][i] * w_2_1;
     *radicand = h2;
 }
 
 /* End points of the (2-PRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (18 add, 14 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_prr2_forward_all(
-    const krhpr_subleg_planar_prr2_geometry *g, const double theta[2], double *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
-    const double d_1_0 = g->o[0] + g->e_1[0] * theta[0]; /* first slider */
-    const double d_1_1 = g->o[1] + g->e_1[1] * theta[0];
-    const double line_0 = g->k[0] + g->e_2[0] * theta[1] - d_1_0; /* from the first slider to the second */
-    const double line_1 = g->k[1] + g->e_2[1] * theta[1] - d_1_1;
+    const double d_1_0 = g->o[0][i] + g->e_1[0][i] * theta[0]; /* first slider */
+    const double d_1_1 = g->o[1][i] + g->e_1[1][i] * theta[0];
+    const double line_0 = g->k[0][i] + g->e_2[0][i] * theta[1] - d_1_0; /* from the first slider to the second */
+    const double line_1 = g->k[1][i] + g->e_2[1][i] * theta[1] - d_1_1;
     const double d2 = line_0 * line_0 + line_1 * line_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[2] - g->k[3]) * t1;
-    const double h2 = g->k[2] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[2][i] - g->k[3][i]) * t1;
+    const double h2 = g->k[2][i] * t1 - along * along;
     const double across = sqrt(h2);
     const double t2 = line_0 * along;
     const double t3 = line_1 * across;
@@ -161,19 +161,19 @@ static inline void krhpr_subleg_planar_prr2_forward_all(
 /* Actuated joints of the (2-PRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (12 add, 12 multiply, 2 square root, 1 select) */
 static inline void krhpr_subleg_planar_prr2_inverse(
-    const krhpr_subleg_planar_prr2_geometry *g, const double s[2], const double mode[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
-    const double d_1_0 = s[0] - g->o[0];
-    const double d_1_1 = s[1] - g->o[1];
-    const double t1 = g->e_1[0] * d_1_1 - g->e_1[1] * d_1_0;
-    const double h2_1 = g->k[2] - t1 * t1;
-    const double d_2_0 = d_1_0 - g->o_12[0];
-    const double d_2_1 = d_1_1 - g->o_12[1];
-    const double t2 = g->e_2[0] * d_2_1 - g->e_2[1] * d_2_0;
-    const double h2_2 = g->k[3] - t2 * t2;
-    theta[0] = g->e_1[0] * d_1_0 + g->e_1[1] * d_1_1 - mode[0] * sqrt(h2_1);
-    theta[1] = g->e_2[0] * d_2_0 + g->e_2[1] * d_2_1 - mode[1] * sqrt(h2_2);
+    const double d_1_0 = s[0] - g->o[0][i];
+    const double d_1_1 = s[1] - g->o[1][i];
+    const double t1 = g->e_1[0][i] * d_1_1 - g->e_1[1][i] * d_1_0;
+    const double h2_1 = g->k[2][i] - t1 * t1;
+    const double d_2_0 = d_1_0 - g->o_12[0][i];
+    const double d_2_1 = d_1_1 - g->o_12[1][i];
+    const double t2 = g->e_2[0][i] * d_2_1 - g->e_2[1][i] * d_2_0;
+    const double h2_2 = g->k[3][i] - t2 * t2;
+    theta[0] = g->e_1[0][i] * d_1_0 + g->e_1[1][i] * d_1_1 - mode[0] * sqrt(h2_1);
+    theta[1] = g->e_2[0][i] * d_2_0 + g->e_2[1][i] * d_2_1 - mode[1] * sqrt(h2_2);
     *radicand = krhpr_min(h2_1, h2_2);
 }
 
@@ -181,21 +181,21 @@ static inline void krhpr_subleg_planar_prr2_inverse(
  * 1-behind/2-ahead, 1-behind/2-behind; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (14 add, 10
  * multiply, 2 square root, 1 select) */
 static inline void krhpr_subleg_planar_prr2_inverse_all(
-    const krhpr_subleg_planar_prr2_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double d_1_0 = s[0] - g->o[0];
-    const double d_1_1 = s[1] - g->o[1];
-    const double t1 = g->e_1[0] * d_1_1 - g->e_1[1] * d_1_0;
-    const double h2_1 = g->k[2] - t1 * t1;
-    const double d_2_0 = d_1_0 - g->o_12[0];
-    const double d_2_1 = d_1_1 - g->o_12[1];
-    const double t2 = g->e_2[0] * d_2_1 - g->e_2[1] * d_2_0;
-    const double h2_2 = g->k[3] - t2 * t2;
-    const double t3 = g->e_1[0] * d_1_0 + g->e_1[1] * d_1_1;
+    const double d_1_0 = s[0] - g->o[0][i];
+    const double d_1_1 = s[1] - g->o[1][i];
+    const double t1 = g->e_1[0][i] * d_1_1 - g->e_1[1][i] * d_1_0;
+    const double h2_1 = g->k[2][i] - t1 * t1;
+    const double d_2_0 = d_1_0 - g->o_12[0][i];
+    const double d_2_1 = d_1_1 - g->o_12[1][i];
+    const double t2 = g->e_2[0][i] * d_2_1 - g->e_2[1][i] * d_2_0;
+    const double h2_2 = g->k[3][i] - t2 * t2;
+    const double t3 = g->e_1[0][i] * d_1_0 + g->e_1[1][i] * d_1_1;
     const double t4 = sqrt(h2_1);
     const double theta_0 = t3 - t4;
-    const double t5 = g->e_2[0] * d_2_0 + g->e_2[1] * d_2_1;
+    const double t5 = g->e_2[0][i] * d_2_0 + g->e_2[1][i] * d_2_1;
     const double t6 = sqrt(h2_2);
     const double theta_1 = t5 - t6;
     const double theta_1_a = t5 + t6;
@@ -214,38 +214,39 @@ static inline void krhpr_subleg_planar_prr2_inverse_all(
 /* Distance by which the end point lies outside the reach of the (2-PRR) sub-leg.  (8 add, 4 multiply, 3
  * select) */
 static inline void krhpr_subleg_planar_prr2_reach(
-    const krhpr_subleg_planar_prr2_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    const double t1 = s[1] - g->o[1];
-    const double t2 = s[0] - g->o[0];
-    const double excess_a = krhpr_max(fabs(g->e_1[0] * t1 - g->e_1[1] * t2) - g->l_1, fabs(g->e_2[0] * (t1 - g->o_12[1]) - g->e_2[1] * (t2 - g->o_12[0])) - g->l_2);
+    const double t1 = s[1] - g->o[1][i];
+    const double t2 = s[0] - g->o[0][i];
+    const double t3 = fabs(g->e_2[0][i] * (t1 - g->o_12[1][i]) - g->e_2[1][i] * (t2 - g->o_12[0][i]));
+    const double excess_a = krhpr_max(fabs(g->e_1[0][i] * t1 - g->e_1[1][i] * t2) - g->l_1[i], t3 - g->l_2[i]);
     *excess = excess_a;
 }
 
 /* Posture of the (2-PRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (10
  * add, 8 multiply) */
 static inline void krhpr_subleg_planar_prr2_posture(
-    const krhpr_subleg_planar_prr2_geometry *g, const double s[2], const double theta[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], const double theta[2],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b)
 {
-    const double t1 = s[0] - g->o[0];
-    const double w_1_0 = t1 - g->e_1[0] * theta[0]; /* link 1 */
-    const double t2 = s[1] - g->o[1];
-    const double w_1_1 = t2 - g->e_1[1] * theta[0]; /* link 1 */
-    const double w_2_0 = t1 - g->o_12[0] - g->e_2[0] * theta[1]; /* link 2 */
-    const double w_2_1 = t2 - g->o_12[1] - g->e_2[1] * theta[1];
+    const double t1 = s[0] - g->o[0][i];
+    const double w_1_0 = t1 - g->e_1[0][i] * theta[0]; /* link 1 */
+    const double t2 = s[1] - g->o[1][i];
+    const double w_1_1 = t2 - g->e_1[1][i] * theta[0]; /* link 1 */
+    const double w_2_0 = t1 - g->o_12[0][i] - g->e_2[0][i] * theta[1]; /* link 2 */
+    const double w_2_1 = t2 - g->o_12[1][i] - g->e_2[1][i] * theta[1];
     w[0] = w_1_0;
     w[1] = w_1_1;
     w[2] = w_2_0;
     w[3] = w_2_1;
-    b[0] = g->e_1[0] * w_1_0 + g->e_1[1] * w_1_1;
-    b[1] = g->e_2[0] * w_2_0 + g->e_2[1] * w_2_1;
+    b[0] = g->e_1[0][i] * w_1_0 + g->e_1[1][i] * w_1_1;
+    b[1] = g->e_2[0][i] * w_2_0 + g->e_2[1][i] * w_2_1;
 }
 
 /* Jacobian M_i of the (2-PRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
  * 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_prr2_jacobian(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], const double b[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -258,14 +259,14 @@ static inline void krhpr_subleg_planar_prr2_jacobian(
     M[1] = m_01;
     M[2] = m_10;
     M[3] = m_11;
-    *regularity = fabs(volume * g->k[4]);
+    *regularity = fabs(volume * g->k[4][i]);
 }
 
 /* Rows of K: N M_i for the (2-PRR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_prr2_project(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], const double b[2], const double N[2],
-    double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
+    const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
@@ -273,13 +274,13 @@ static inline void krhpr_subleg_planar_prr2_project(
     const double m_11 = t1 * (w[0] * b[1]);
     K[0] = N[0] * m_00 - N[1] * (t1 * (w[2] * b[0]));
     K[1] = N[1] * m_11 - N[0] * (t1 * (w[1] * b[1]));
-    *regularity = fabs(volume * g->k[4]);
+    *regularity = fabs(volume * g->k[4][i]);
 }
 
 /* Velocity of the end point of the (2-PRR) sub-leg, M theta_dot.  Thesis: (1.9).  (3 add, 11 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_planar_prr2_velocity(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], const double b[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -290,100 +291,100 @@ static inline void krhpr_subleg_planar_prr2_velocity(
     const double v_l_1 = t1 * (w[0] * w_1 - w[2] * w_0);
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
-    *regularity = fabs(volume * g->k[4]);
+    *regularity = fabs(volume * g->k[4][i]);
 }
 
 /* Velocity of the end point of the (2-PRR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (30 add, 45 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_planar_prr2_bias(
-    const krhpr_subleg_planar_prr2_geometry *g, const double s[2], const double theta[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], const double theta[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
 {
-    const double t1 = s[0] - g->o[0];
-    const double w_1_0 = t1 - g->e_1[0] * theta[0]; /* link 1 */
-    const double t2 = s[1] - g->o[1];
-    const double w_1_1 = t2 - g->e_1[1] * theta[0]; /* link 1 */
-    const double w_2_0 = t1 - g->o_12[0] - g->e_2[0] * theta[1]; /* link 2 */
-    const double w_2_1 = t2 - g->o_12[1] - g->e_2[1] * theta[1];
-    const double b_0 = g->e_1[0] * w_1_0 + g->e_1[1] * w_1_1;
-    const double b_1 = g->e_2[0] * w_2_0 + g->e_2[1] * w_2_1;
+    const double t1 = s[0] - g->o[0][i];
+    const double w_1_0 = t1 - g->e_1[0][i] * theta[0]; /* link 1 */
+    const double t2 = s[1] - g->o[1][i];
+    const double w_1_1 = t2 - g->e_1[1][i] * theta[0]; /* link 1 */
+    const double w_2_0 = t1 - g->o_12[0][i] - g->e_2[0][i] * theta[1]; /* link 2 */
+    const double w_2_1 = t2 - g->o_12[1][i] - g->e_2[1][i] * theta[1];
+    const double b_0 = g->e_1[0][i] * w_1_0 + g->e_1[1][i] * w_1_1;
+    const double b_1 = g->e_2[0][i] * w_2_0 + g->e_2[1][i] * w_2_1;
     const double volume = w_1_0 * w_2_1 - w_1_1 * w_2_0; /* det [w_1 ...] */
     const double t3 = theta_dot[0] * b_0;
     const double t4 = theta_dot[1] * b_1;
     const double t5 = 1.0 / volume;
     const double s_dot_0 = (w_2_1 * t3 - w_1_1 * t4) * t5;
     const double s_dot_1 = t5 * (w_1_0 * t4 - w_2_0 * t3);
-    const double t6 = s_dot_0 - g->e_1[0] * theta_dot[0];
-    const double t7 = s_dot_1 - g->e_1[1] * theta_dot[0];
-    const double t8 = s_dot_0 - g->e_2[0] * theta_dot[1];
-    const double t9 = s_dot_1 - g->e_2[1] * theta_dot[1];
+    const double t6 = s_dot_0 - g->e_1[0][i] * theta_dot[0];
+    const double t7 = s_dot_1 - g->e_1[1][i] * theta_dot[0];
+    const double t8 = s_dot_0 - g->e_2[0][i] * theta_dot[1];
+    const double t9 = s_dot_1 - g->e_2[1][i] * theta_dot[1];
     const double t10 = w_2_1 * t6 + w_1_0 * t9 - (w_2_0 * t7 + w_1_1 * t8);
-    const double t11 = theta_dot[0] * (g->e_1[0] * t6 + g->e_1[1] * t7);
-    const double t12 = theta_dot[1] * (g->e_2[0] * t8 + g->e_2[1] * t9);
+    const double t11 = theta_dot[0] * (g->e_1[0][i] * t6 + g->e_1[1][i] * t7);
+    const double t12 = theta_dot[1] * (g->e_2[0][i] * t8 + g->e_2[1][i] * t9);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     bias[0] = t5 * (t3 * t9 + w_2_1 * t11 - (t4 * t7 + w_1_1 * t12) - s_dot_0 * t10);
     bias[1] = t5 * (t4 * t6 + w_1_0 * t12 - (t3 * t8 + w_2_0 * t11) - s_dot_1 * t10);
-    *regularity = fabs(volume * g->k[4]);
+    *regularity = fabs(volume * g->k[4][i]);
 }
 
 /* Actuated joint rates of the (2-PRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply, 2 divide, 3 select) */
 static inline void krhpr_subleg_planar_prr2_rates(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], const double b[2], const double s_dot[2],
-    double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
+    const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double w_0 = w[0] * s_dot[0] + w[1] * s_dot[1];
     const double w_1 = w[2] * s_dot[0] + w[3] * s_dot[1];
     theta_dot[0] = w_0 / b[0];
     theta_dot[1] = w_1 / b[1];
-    *regularity = krhpr_min(fabs(b[0] * g->k[5]), fabs(b[1] * g->k[5]));
+    *regularity = krhpr_min(fabs(b[0] * g->k[5][i]), fabs(b[1] * g->k[5][i]));
 }
 
 /* det M_i of the (2-PRR) sub-leg and its dimensionless factors: chain_1, chain_2, volume.  Thesis: 1.4.  (1
  * add, 6 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_prr2_determinant(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], const double b[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double volume = w[0] * w[3] - w[1] * w[2];
     *det_M = b[0] * b[1] / volume;
-    factors[0] = b[0] * g->k[5];
-    factors[1] = b[1] * g->k[5];
-    factors[2] = volume * g->k[4];
+    factors[0] = b[0] * g->k[5][i];
+    factors[1] = b[1] * g->k[5][i];
+    factors[2] = volume * g->k[4][i];
 }
 
 /* Passive joints of the (2-PRR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_planar_prr2_passive(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], double *KRHPR_RESTRICT link,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double size = sqrt(w[0] * w[0] + w[1] * w[1]);
     const double t1 = 1.0 / size;
     link[0] = w[0] * t1;
     link[1] = w[1] * t1;
-    tail_y[0] = g->e_1[0] * w[1] - g->e_1[1] * w[0];
-    tail_y[1] = g->e_2[0] * w[3] - g->e_2[1] * w[2];
+    tail_y[0] = g->e_1[0][i] * w[1] - g->e_1[1][i] * w[0];
+    tail_y[1] = g->e_2[0][i] * w[3] - g->e_2[1][i] * w[2];
     tail_y[2] = w[0] * w[3] - w[1] * w[2];
-    tail_x[0] = g->e_1[0] * w[0] + g->e_1[1] * w[1];
-    tail_x[1] = g->e_2[0] * w[2] + g->e_2[1] * w[3];
+    tail_x[0] = g->e_1[0][i] * w[0] + g->e_1[1][i] * w[1];
+    tail_x[1] = g->e_2[0][i] * w[2] + g->e_2[1][i] * w[3];
     tail_x[2] = w[0] * w[2] + w[1] * w[3];
 }
 
 /* Joints of the (2-PRR) sub-leg, from the base to S_i.  (4 add) */
 static inline void krhpr_subleg_planar_prr2_points(
-    const krhpr_subleg_planar_prr2_geometry *g, const double w[4], const double s[2],
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double s[2],
     double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
     points[2] = s[0] - w[0];
     points[3] = s[1] - w[1];
-    points[4] = g->k[0];
-    points[5] = g->k[1];
+    points[4] = g->k[0][i];
+    points[5] = g->k[1][i];
     points[6] = s[0] - w[2];
     points[7] = s[1] - w[3];
     points[8] = s[0];

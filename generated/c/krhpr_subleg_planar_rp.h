@@ -11,26 +11,26 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_rp_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_rp_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double h; /* offset of the slide from the revolute joint, along E u (m) */
-    double o[2]; /* base joint */
-    double k[3]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double h[KRHPR_PLACES]; /* offset of the slide from the revolute joint, along E u (m) */
+    double o[2][KRHPR_PLACES]; /* base joint */
+    double k[3][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rp_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (3 multiply, 1 divide, 1 sine cosine, 1
  * select) */
-static inline void krhpr_subleg_planar_rp_prepare(krhpr_subleg_planar_rp_geometry *g)
+static inline void krhpr_subleg_planar_rp_prepare(krhpr_subleg_planar_rp_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    g->o[0] = g->R_b * e_r_0;
-    g->o[1] = g->R_b * e_r_1;
-    g->k[0] = g->h * g->h;
-    g->k[1] = fabs(g->h);
-    g->k[2] = 1.0 / g->R_b;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    g->o[0][i] = g->R_b[i] * e_r_0;
+    g->o[1][i] = g->R_b[i] * e_r_1;
+    g->k[0][i] = g->h[i] * g->h[i];
+    g->k[1][i] = fabs(g->h[i]);
+    g->k[2][i] = 1.0 / g->R_b[i];
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -41,13 +41,13 @@ static inline void krhpr_subleg_planar_rp_forward_angles(const double theta[2], 
 
 /* End point of the RP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rp_forward(
-    const krhpr_subleg_planar_rp_geometry *g, const double theta[2], const double sine[1],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s)
 {
-    const double d_0 = theta[1] * cosine[0] - g->h * sine[0];
-    const double d_1 = g->h * cosine[0] + theta[1] * sine[0];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double d_0 = theta[1] * cosine[0] - g->h[i] * sine[0];
+    const double d_1 = g->h[i] * cosine[0] + theta[1] * sine[0];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
@@ -59,13 +59,13 @@ static inline void krhpr_subleg_planar_rp_forward_posture_angles(
 
 /* End point and posture of the RP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rp_forward_posture(
-    const krhpr_subleg_planar_rp_geometry *g, const double theta[2], const double sine[1],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u)
 {
-    const double d_0 = theta[1] * cosine[0] - g->h * sine[0];
-    const double d_1 = g->h * cosine[0] + theta[1] * sine[0];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double d_0 = theta[1] * cosine[0] - g->h[i] * sine[0];
+    const double d_1 = g->h[i] * cosine[0] + theta[1] * sine[0];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     d[0] = d_0;
     d[1] = d_1;
     u[0] = cosine[0];
@@ -75,14 +75,14 @@ static inline void krhpr_subleg_planar_rp_forward_posture(
 /* Actuated joints of the RP sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 7 multiply, 1 square root, 1 arctangent) */
 static inline void krhpr_subleg_planar_rp_inverse(
-    const krhpr_subleg_planar_rp_geometry *g, const double s[2], const double mode[1],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0][i];
     const double rho = mode[0] * sqrt(h2);
-    theta[0] = krhpr_atan2(d_1 * rho - g->h * d_0, d_0 * rho + g->h * d_1);
+    theta[0] = krhpr_atan2(d_1 * rho - g->h[i] * d_0, d_0 * rho + g->h[i] * d_1);
     theta[1] = rho;
     *radicand = h2;
 }
@@ -90,17 +90,17 @@ static inline void krhpr_subleg_planar_rp_inverse(
 /* Every working mode of the RP sub-leg, in the order rho+, rho-; NaN where a mode does not exist.  Thesis:
  * 2.2.3, 2.5.  (8 add, 6 multiply, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_rp_inverse_all(
-    const krhpr_subleg_planar_rp_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0][i];
     const double rho = sqrt(h2);
     const double t1 = d_1 * rho;
-    const double t2 = g->h * d_0;
+    const double t2 = g->h[i] * d_0;
     const double t3 = d_0 * rho;
-    const double t4 = g->h * d_1;
+    const double t4 = g->h[i] * d_1;
     const double rho_a = -rho;
     theta[0] = krhpr_atan2(t1 - t2, t3 + t4);
     theta[1] = rho;
@@ -112,11 +112,11 @@ static inline void krhpr_subleg_planar_rp_inverse_all(
 /* Distance by which the end point lies outside the reach of the RP sub-leg.  (4 add, 2 multiply, 1 square
  * root) */
 static inline void krhpr_subleg_planar_rp_reach(
-    const krhpr_subleg_planar_rp_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->o[0];
-    const double d_1 = s[1] - g->o[1];
-    *excess = g->k[1] - sqrt(d_0 * d_0 + d_1 * d_1);
+    const double d_0 = s[0] - g->o[0][i];
+    const double d_1 = s[1] - g->o[1][i];
+    *excess = g->k[1][i] - sqrt(d_0 * d_0 + d_1 * d_1);
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
@@ -127,20 +127,22 @@ static inline void krhpr_subleg_planar_rp_posture_angles(const double theta[2], 
 
 /* Posture of the RP sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 add) */
 static inline void krhpr_subleg_planar_rp_posture(
-    const krhpr_subleg_planar_rp_geometry *g, const double s[2], const double sine[1],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u)
 {
-    d[0] = s[0] - g->o[0];
-    d[1] = s[1] - g->o[1];
+    d[0] = s[0] - g->o[0][i];
+    d[1] = s[1] - g->o[1][i];
     u[0] = cosine[0];
     u[1] = sine[0];
 }
 
 /* Jacobian M_i of the RP sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_planar_rp_jacobian(
-    const krhpr_subleg_planar_rp_geometry *g, const double d[2], const double u[2], double *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
+    double *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double m_00 = -d[1];
     M[0] = m_00;
     M[1] = u[0];
@@ -151,20 +153,22 @@ static inline void krhpr_subleg_planar_rp_jacobian(
 /* Rows of K: N M_i for the RP sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rp_project(
-    const krhpr_subleg_planar_rp_geometry *g, const double d[2], const double u[2], const double N[2],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2], const double N[2],
     double *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     K[0] = d[0] * N[1] - d[1] * N[0];
     K[1] = u[0] * N[0] + u[1] * N[1];
 }
 
 /* Velocity of the end point of the RP sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rp_velocity(
-    const krhpr_subleg_planar_rp_geometry *g, const double d[2], const double u[2],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = u[0] * theta_dot[1] - d[1] * theta_dot[0];
     const double w_1 = d[0] * theta_dot[0] + u[1] * theta_dot[1];
     s_dot[0] = w_0;
@@ -180,11 +184,11 @@ static inline void krhpr_subleg_planar_rp_bias_angles(const double theta[2], dou
 /* Velocity of the end point of the RP sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (6 add, 10 multiply) */
 static inline void krhpr_subleg_planar_rp_bias(
-    const krhpr_subleg_planar_rp_geometry *g, const double s[2], const double theta_dot[2],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], const double theta_dot[2],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double s_dot_0 = theta_dot[1] * cosine[0] - theta_dot[0] * d_1;
     const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * sine[0];
     s_dot[0] = s_dot_0;
@@ -196,44 +200,45 @@ static inline void krhpr_subleg_planar_rp_bias(
 /* Actuated joint rates of the RP sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rp_rates(
-    const krhpr_subleg_planar_rp_geometry *g, const double d[2], const double u[2], const double s_dot[2],
-    double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
+    const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double rho = d[0] * u[0] + d[1] * u[1];
     const double t1 = 1.0 / rho;
     theta_dot[0] = -(u[1] * s_dot[0] - u[0] * s_dot[1]) * t1;
     theta_dot[1] = t1 * (d[0] * s_dot[0] + d[1] * s_dot[1]);
-    *regularity = fabs(rho * g->k[2]);
+    *regularity = fabs(rho * g->k[2][i]);
 }
 
 /* det M_i of the RP sub-leg and its dimensionless factors: slide.  Thesis: 1.4.  (1 add, 3 multiply) */
 static inline void krhpr_subleg_planar_rp_determinant(
-    const krhpr_subleg_planar_rp_geometry *g, const double d[2], const double u[2],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double rho = d[0] * u[0] + d[1] * u[1];
     *det_M = -rho;
-    factors[0] = rho * g->k[2];
+    factors[0] = rho * g->k[2][i];
 }
 
 /* Passive joints of the RP sub-leg and the orientation of its last link.  (no operations) */
 static inline void krhpr_subleg_planar_rp_passive(
-    const krhpr_subleg_planar_rp_geometry *g, const double u[2], double *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT link)
 {
     (void)(g);
+    (void)(i);
     link[0] = u[0];
     link[1] = u[1];
 }
 
 /* Joints of the RP sub-leg, from the base to S_i.  (2 add, 2 multiply) */
 static inline void krhpr_subleg_planar_rp_points(
-    const krhpr_subleg_planar_rp_geometry *g, const double u[2], const double s[2],
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double u[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
-    points[2] = g->o[0] - g->h * u[1];
-    points[3] = g->o[1] + g->h * u[0];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
+    points[2] = g->o[0][i] - g->h[i] * u[1];
+    points[3] = g->o[1][i] + g->h[i] * u[0];
     points[4] = s[0];
     points[5] = s[1];
 }

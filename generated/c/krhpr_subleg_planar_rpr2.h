@@ -11,57 +11,57 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_rpr2_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_rpr2_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double l_0; /* distance of the two base joints, along e_t (m) */
-    double o[2]; /* first base joint */
-    double o_12[2]; /* from the first base joint to the second */
-    double e_1[2]; /* radial direction */
-    double k[6]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double l_0[KRHPR_PLACES]; /* distance of the two base joints, along e_t (m) */
+    double o[2][KRHPR_PLACES]; /* first base joint */
+    double o_12[2][KRHPR_PLACES]; /* from the first base joint to the second */
+    double e_1[2][KRHPR_PLACES]; /* radial direction */
+    double k[6][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rpr2_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 9 multiply, 3 divide, 1 sine
  * cosine) */
-static inline void krhpr_subleg_planar_rpr2_prepare(krhpr_subleg_planar_rpr2_geometry *g)
+static inline void krhpr_subleg_planar_rpr2_prepare(krhpr_subleg_planar_rpr2_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->l_0 * e_r_1;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_0[i] * e_r_1;
     const double apart_0 = -t1;
-    const double apart_1 = g->l_0 * e_r_0;
-    const double o_0 = g->R_b * e_r_0 + t1 * 0.5;
-    const double o_1 = g->R_b * e_r_1 - apart_1 * 0.5;
+    const double apart_1 = g->l_0[i] * e_r_0;
+    const double o_0 = g->R_b[i] * e_r_0 + t1 * 0.5;
+    const double o_1 = g->R_b[i] * e_r_1 - apart_1 * 0.5;
     const double k_0 = t1 * t1 + apart_1 * apart_1;
-    g->o[0] = o_0;
-    g->o[1] = o_1;
-    g->o_12[0] = apart_0;
-    g->o_12[1] = apart_1;
-    g->e_1[0] = e_r_0;
-    g->e_1[1] = e_r_1;
-    g->k[0] = k_0;
-    g->k[1] = 1.0 / k_0;
-    g->k[2] = 1.0 / (g->R_b * g->R_b);
-    g->k[3] = 1.0 / g->R_b;
-    g->k[4] = o_0 - t1;
-    g->k[5] = apart_1 + o_1;
+    g->o[0][i] = o_0;
+    g->o[1][i] = o_1;
+    g->o_12[0][i] = apart_0;
+    g->o_12[1][i] = apart_1;
+    g->e_1[0][i] = e_r_0;
+    g->e_1[1][i] = e_r_1;
+    g->k[0][i] = k_0;
+    g->k[1][i] = 1.0 / k_0;
+    g->k[2][i] = 1.0 / (g->R_b[i] * g->R_b[i]);
+    g->k[3][i] = 1.0 / g->R_b[i];
+    g->k[4][i] = o_0 - t1;
+    g->k[5][i] = apart_1 + o_1;
 }
 
 /* End point of the (2-RPR) sub-leg from its actuated joints.  Thesis: 3.5.  (7 add, 11 multiply, 1 square
  * root) */
 static inline void krhpr_subleg_planar_rpr2_forward(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double theta[2], const double assembly[1],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
-    const double along = 0.5 * (g->k[0] + t1 - theta[1] * theta[1]) * g->k[1];
-    const double h2 = t1 * g->k[1] - along * along;
+    const double along = 0.5 * (g->k[0][i] + t1 - theta[1] * theta[1]) * g->k[1][i];
+    const double h2 = t1 * g->k[1][i] - along * along;
     const double across = assembly[0] * sqrt(h2);
-    const double meeting_0 = g->o_12[0] * along - g->o_12[1] * across;
-    const double meeting_1 = g->o_12[0] * across + g->o_12[1] * along;
-    const double r_0 = g->o[0] + meeting_0;
-    const double r_1 = g->o[1] + meeting_1;
+    const double meeting_0 = g->o_12[0][i] * along - g->o_12[1][i] * across;
+    const double meeting_1 = g->o_12[0][i] * across + g->o_12[1][i] * along;
+    const double r_0 = g->o[0][i] + meeting_0;
+    const double r_1 = g->o[1][i] + meeting_1;
     s[0] = r_0;
     s[1] = r_1;
     *radicand = h2;
@@ -70,22 +70,22 @@ static inline void krhpr_subleg_planar_rpr2_forward(
 /* End point and posture of the (2-RPR) sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 11
  * multiply, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_forward_posture(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double theta[2], const double assembly[1],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
-    const double along = 0.5 * (g->k[0] + t1 - theta[1] * theta[1]) * g->k[1];
-    const double h2 = t1 * g->k[1] - along * along;
+    const double along = 0.5 * (g->k[0][i] + t1 - theta[1] * theta[1]) * g->k[1][i];
+    const double h2 = t1 * g->k[1][i] - along * along;
     const double across = assembly[0] * sqrt(h2);
-    const double meeting_0 = g->o_12[0] * along - g->o_12[1] * across;
-    const double meeting_1 = g->o_12[0] * across + g->o_12[1] * along;
-    const double r_0 = g->o[0] + meeting_0;
-    const double r_1 = g->o[1] + meeting_1;
-    const double w_1_0 = r_0 - g->o[0]; /* strut 1 */
-    const double w_1_1 = r_1 - g->o[1];
-    const double w_2_0 = w_1_0 - g->o_12[0]; /* strut 2 */
-    const double w_2_1 = w_1_1 - g->o_12[1];
+    const double meeting_0 = g->o_12[0][i] * along - g->o_12[1][i] * across;
+    const double meeting_1 = g->o_12[0][i] * across + g->o_12[1][i] * along;
+    const double r_0 = g->o[0][i] + meeting_0;
+    const double r_1 = g->o[1][i] + meeting_1;
+    const double w_1_0 = r_0 - g->o[0][i]; /* strut 1 */
+    const double w_1_1 = r_1 - g->o[1][i];
+    const double w_2_0 = w_1_0 - g->o_12[0][i]; /* strut 2 */
+    const double w_2_1 = w_1_1 - g->o_12[1][i];
     s[0] = r_0;
     s[1] = r_1;
     w[0] = w_1_0;
@@ -100,25 +100,25 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture(
 /* End points of the (2-RPR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (11 add, 10 multiply, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_forward_all(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double theta[2], double *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
-    const double along = 0.5 * (g->k[0] + t1 - theta[1] * theta[1]) * g->k[1];
-    const double h2 = t1 * g->k[1] - along * along;
+    const double along = 0.5 * (g->k[0][i] + t1 - theta[1] * theta[1]) * g->k[1][i];
+    const double h2 = t1 * g->k[1][i] - along * along;
     const double across = sqrt(h2);
-    const double t2 = g->o_12[0] * along;
-    const double t3 = g->o_12[1] * across;
+    const double t2 = g->o_12[0][i] * along;
+    const double t3 = g->o_12[1][i] * across;
     const double meeting_0 = t2 - t3;
-    const double t4 = g->o_12[0] * across;
-    const double t5 = g->o_12[1] * along;
+    const double t4 = g->o_12[0][i] * across;
+    const double t5 = g->o_12[1][i] * along;
     const double meeting_1 = t4 + t5;
-    const double r_0 = g->o[0] + meeting_0;
-    const double r_1 = g->o[1] + meeting_1;
+    const double r_0 = g->o[0][i] + meeting_0;
+    const double r_1 = g->o[1][i] + meeting_1;
     const double meeting_0_a = t2 + t3;
     const double meeting_1_a = t5 - t4;
-    const double r_0_a = g->o[0] + meeting_0_a;
-    const double r_1_a = g->o[1] + meeting_1_a;
+    const double r_0_a = g->o[0][i] + meeting_0_a;
+    const double r_1_a = g->o[1][i] + meeting_1_a;
     s[0] = r_0;
     s[1] = r_1;
     s[2] = r_0_a;
@@ -129,13 +129,13 @@ static inline void krhpr_subleg_planar_rpr2_forward_all(
 /* Actuated joints of the (2-RPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
 static inline void krhpr_subleg_planar_rpr2_inverse(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double t1 = s[0] - g->o[0];
-    const double t2 = s[1] - g->o[1];
-    const double t3 = t1 - g->o_12[0];
-    const double t4 = t2 - g->o_12[1];
+    const double t1 = s[0] - g->o[0][i];
+    const double t2 = s[1] - g->o[1][i];
+    const double t3 = t1 - g->o_12[0][i];
+    const double t4 = t2 - g->o_12[1][i];
     theta[0] = sqrt(t1 * t1 + t2 * t2);
     theta[1] = sqrt(t3 * t3 + t4 * t4);
     *radicand = 1.0;
@@ -144,13 +144,13 @@ static inline void krhpr_subleg_planar_rpr2_inverse(
 /* Every working mode of the (2-RPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
 static inline void krhpr_subleg_planar_rpr2_inverse_all(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double s[2], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double t1 = s[0] - g->o[0];
-    const double t2 = s[1] - g->o[1];
-    const double t3 = t1 - g->o_12[0];
-    const double t4 = t2 - g->o_12[1];
+    const double t1 = s[0] - g->o[0][i];
+    const double t2 = s[1] - g->o[1][i];
+    const double t3 = t1 - g->o_12[0][i];
+    const double t4 = t2 - g->o_12[1][i];
     theta[0] = sqrt(t1 * t1 + t2 * t2);
     theta[1] = sqrt(t3 * t3 + t4 * t4);
     *radicand = 1.0;
@@ -158,21 +158,22 @@ static inline void krhpr_subleg_planar_rpr2_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the (2-RPR) sub-leg.  (no operations) */
 static inline void krhpr_subleg_planar_rpr2_reach(
-    const krhpr_subleg_planar_rpr2_geometry *g, double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     *excess = 0.0;
 }
 
 /* Posture of the (2-RPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add) */
 static inline void krhpr_subleg_planar_rpr2_posture(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double s[2], const double theta[2],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], const double theta[2],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b)
 {
-    const double w_1_0 = s[0] - g->o[0]; /* strut 1 */
-    const double w_1_1 = s[1] - g->o[1];
-    const double w_2_0 = w_1_0 - g->o_12[0]; /* strut 2 */
-    const double w_2_1 = w_1_1 - g->o_12[1];
+    const double w_1_0 = s[0] - g->o[0][i]; /* strut 1 */
+    const double w_1_1 = s[1] - g->o[1][i];
+    const double w_2_0 = w_1_0 - g->o_12[0][i]; /* strut 2 */
+    const double w_2_1 = w_1_1 - g->o_12[1][i];
     w[0] = w_1_0;
     w[1] = w_1_1;
     w[2] = w_2_0;
@@ -184,7 +185,7 @@ static inline void krhpr_subleg_planar_rpr2_posture(
 /* Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
  * 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rpr2_jacobian(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], const double b[2],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -197,14 +198,14 @@ static inline void krhpr_subleg_planar_rpr2_jacobian(
     M[1] = m_01;
     M[2] = m_10;
     M[3] = m_11;
-    *regularity = fabs(volume * g->k[2]);
+    *regularity = fabs(volume * g->k[2][i]);
 }
 
 /* Rows of K: N M_i for the (2-RPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rpr2_project(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], const double b[2], const double N[2],
-    double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
+    const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
@@ -212,13 +213,13 @@ static inline void krhpr_subleg_planar_rpr2_project(
     const double m_11 = t1 * (w[0] * b[1]);
     K[0] = N[0] * m_00 - N[1] * (t1 * (w[2] * b[0]));
     K[1] = N[1] * m_11 - N[0] * (t1 * (w[1] * b[1]));
-    *regularity = fabs(volume * g->k[2]);
+    *regularity = fabs(volume * g->k[2][i]);
 }
 
 /* Velocity of the end point of the (2-RPR) sub-leg, M theta_dot.  Thesis: (1.9).  (3 add, 11 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_planar_rpr2_velocity(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], const double b[2],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -229,21 +230,21 @@ static inline void krhpr_subleg_planar_rpr2_velocity(
     const double v_l_1 = t1 * (w[0] * w_1 - w[2] * w_0);
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
-    *regularity = fabs(volume * g->k[2]);
+    *regularity = fabs(volume * g->k[2][i]);
 }
 
 /* Velocity of the end point of the (2-RPR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (18 add, 29 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_planar_rpr2_bias(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double s[2], const double theta[2],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], const double theta[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
 {
-    const double w_1_0 = s[0] - g->o[0]; /* strut 1 */
-    const double w_1_1 = s[1] - g->o[1];
-    const double w_2_0 = w_1_0 - g->o_12[0]; /* strut 2 */
-    const double w_2_1 = w_1_1 - g->o_12[1];
+    const double w_1_0 = s[0] - g->o[0][i]; /* strut 1 */
+    const double w_1_1 = s[1] - g->o[1][i];
+    const double w_2_0 = w_1_0 - g->o_12[0][i]; /* strut 2 */
+    const double w_2_1 = w_1_1 - g->o_12[1][i];
     const double volume = w_1_0 * w_2_1 - w_1_1 * w_2_0; /* det [w_1 ...] */
     const double t1 = theta[0] * theta_dot[0];
     const double t2 = theta[1] * theta_dot[1];
@@ -257,61 +258,61 @@ static inline void krhpr_subleg_planar_rpr2_bias(
     s_dot[1] = s_dot_1;
     bias[0] = t3 * (t1 * s_dot_1 + w_2_1 * t5 - (t2 * s_dot_1 + w_1_1 * t6) - s_dot_0 * t4);
     bias[1] = t3 * (t2 * s_dot_0 + w_1_0 * t6 - (t1 * s_dot_0 + w_2_0 * t5) - s_dot_1 * t4);
-    *regularity = fabs(volume * g->k[2]);
+    *regularity = fabs(volume * g->k[2][i]);
 }
 
 /* Actuated joint rates of the (2-RPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply, 2 divide, 3 select) */
 static inline void krhpr_subleg_planar_rpr2_rates(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], const double b[2], const double s_dot[2],
-    double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
+    const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double w_0 = w[0] * s_dot[0] + w[1] * s_dot[1];
     const double w_1 = w[2] * s_dot[0] + w[3] * s_dot[1];
     theta_dot[0] = w_0 / b[0];
     theta_dot[1] = w_1 / b[1];
-    *regularity = krhpr_min(fabs(b[0] * g->k[3]), fabs(b[1] * g->k[3]));
+    *regularity = krhpr_min(fabs(b[0] * g->k[3][i]), fabs(b[1] * g->k[3][i]));
 }
 
 /* det M_i of the (2-RPR) sub-leg and its dimensionless factors: chain_1, chain_2, volume.  Thesis: 1.4.  (1
  * add, 6 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rpr2_determinant(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], const double b[2],
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double volume = w[0] * w[3] - w[1] * w[2];
     *det_M = b[0] * b[1] / volume;
-    factors[0] = b[0] * g->k[3];
-    factors[1] = b[1] * g->k[3];
-    factors[2] = volume * g->k[2];
+    factors[0] = b[0] * g->k[3][i];
+    factors[1] = b[1] * g->k[3][i];
+    factors[2] = volume * g->k[2][i];
 }
 
 /* Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_passive(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double w[4], double *KRHPR_RESTRICT link,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double size = sqrt(w[0] * w[0] + w[1] * w[1]);
     const double t1 = 1.0 / size;
     link[0] = w[0] * t1;
     link[1] = w[1] * t1;
-    tail_y[0] = g->e_1[0] * w[1] - g->e_1[1] * w[0];
-    tail_y[1] = g->e_1[0] * w[3] - g->e_1[1] * w[2];
+    tail_y[0] = g->e_1[0][i] * w[1] - g->e_1[1][i] * w[0];
+    tail_y[1] = g->e_1[0][i] * w[3] - g->e_1[1][i] * w[2];
     tail_y[2] = w[0] * w[3] - w[1] * w[2];
-    tail_x[0] = g->e_1[0] * w[0] + g->e_1[1] * w[1];
-    tail_x[1] = g->e_1[0] * w[2] + g->e_1[1] * w[3];
+    tail_x[0] = g->e_1[0][i] * w[0] + g->e_1[1][i] * w[1];
+    tail_x[1] = g->e_1[0][i] * w[2] + g->e_1[1][i] * w[3];
     tail_x[2] = w[0] * w[2] + w[1] * w[3];
 }
 
 /* Joints of the (2-RPR) sub-leg, from the base to S_i.  (no operations) */
 static inline void krhpr_subleg_planar_rpr2_points(
-    const krhpr_subleg_planar_rpr2_geometry *g, const double s[2], double *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
-    points[2] = g->k[4];
-    points[3] = g->k[5];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
+    points[2] = g->k[4][i];
+    points[3] = g->k[5][i];
     points[4] = s[0];
     points[5] = s[1];
 }

@@ -11,33 +11,33 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_rr_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_rr_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double l_1; /* link to the elbow (m) */
-    double l_2; /* link from the elbow to the end point (m) */
-    double o[2]; /* base joint */
-    double k[7]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double l_1[KRHPR_PLACES]; /* link to the elbow (m) */
+    double l_2[KRHPR_PLACES]; /* link from the elbow to the end point (m) */
+    double o[2][KRHPR_PLACES]; /* base joint */
+    double k[7][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rr_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g)
+static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->l_1 - g->l_2;
-    const double t2 = g->l_1 + g->l_2;
-    g->o[0] = g->R_b * e_r_0;
-    g->o[1] = g->R_b * e_r_1;
-    g->k[0] = t1 * t1;
-    g->k[1] = t2 * t2;
-    g->k[2] = g->l_1 * g->l_1;
-    g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = fabs(t1);
-    g->k[5] = 1.0 / (g->l_1 * g->l_2);
-    g->k[6] = 1.0 / g->l_2;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_1[i] - g->l_2[i];
+    const double t2 = g->l_1[i] + g->l_2[i];
+    g->o[0][i] = g->R_b[i] * e_r_0;
+    g->o[1][i] = g->R_b[i] * e_r_1;
+    g->k[0][i] = t1 * t1;
+    g->k[1][i] = t2 * t2;
+    g->k[2][i] = g->l_1[i] * g->l_1[i];
+    g->k[3][i] = g->l_2[i] * g->l_2[i];
+    g->k[4][i] = fabs(t1);
+    g->k[5][i] = 1.0 / (g->l_1[i] * g->l_2[i]);
+    g->k[6][i] = 1.0 / g->l_2[i];
 }
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
@@ -49,15 +49,15 @@ static inline void krhpr_subleg_planar_rr_forward_angles(const double theta[2], 
 
 /* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_forward(
-    const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s)
 {
-    const double v_1_0 = g->l_2 * cosine[0]; /* last link */
-    const double v_1_1 = g->l_2 * sine[0];
-    const double d_0 = v_1_0 + g->l_1 * cosine[1];
-    const double d_1 = v_1_1 + g->l_1 * sine[1];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double v_1_0 = g->l_2[i] * cosine[0]; /* last link */
+    const double v_1_1 = g->l_2[i] * sine[0];
+    const double d_0 = v_1_0 + g->l_1[i] * cosine[1];
+    const double d_1 = v_1_1 + g->l_1[i] * sine[1];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
@@ -70,15 +70,15 @@ static inline void krhpr_subleg_planar_rr_forward_posture_angles(
 
 /* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_forward_posture(
-    const krhpr_subleg_planar_rr_geometry *g, const double sine[2], const double cosine[2],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
-    const double v_1_0 = g->l_2 * cosine[0]; /* last link */
-    const double v_1_1 = g->l_2 * sine[0];
-    const double d_0 = v_1_0 + g->l_1 * cosine[1];
-    const double d_1 = v_1_1 + g->l_1 * sine[1];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double v_1_0 = g->l_2[i] * cosine[0]; /* last link */
+    const double v_1_1 = g->l_2[i] * sine[0];
+    const double d_0 = v_1_0 + g->l_1[i] * cosine[1];
+    const double d_1 = v_1_1 + g->l_1[i] * sine[1];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     d[0] = d_0;
     d[1] = d_1;
     v_1[0] = v_1_0;
@@ -88,16 +88,16 @@ static inline void krhpr_subleg_planar_rr_forward_posture(
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
 static inline void krhpr_subleg_planar_rr_inverse(
-    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double mode[1],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
-    const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
+    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     *radicand = h2;
@@ -110,16 +110,16 @@ static inline void krhpr_subleg_planar_rr_inverse(
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
 static inline void krhpr_subleg_planar_rr_inverse_all(
-    const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT radicand,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
-    const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
+    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -143,12 +143,12 @@ static inline void krhpr_subleg_planar_rr_inverse_all(
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_planar_rr_reach(
-    const krhpr_subleg_planar_rr_geometry *g, const double s[2], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
     const double distance = sqrt(d_0 * d_0 + d_1 * d_1);
-    *excess = krhpr_max(distance - g->l_1 - g->l_2, g->k[4] - distance);
+    *excess = krhpr_max(distance - g->l_1[i] - g->l_2[i], g->k[4][i] - distance);
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
@@ -160,23 +160,24 @@ static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], 
 /* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add, 2
  * multiply) */
 static inline void krhpr_subleg_planar_rr_posture(
-    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double sine[1],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
-    const double d_0 = s[0] - g->o[0];
-    const double d_1 = s[1] - g->o[1];
+    const double d_0 = s[0] - g->o[0][i];
+    const double d_1 = s[1] - g->o[1][i];
     d[0] = d_0;
     d[1] = d_1;
-    v_1[0] = d_0 - g->l_1 * cosine[0];
-    v_1[1] = d_1 - g->l_1 * sine[0];
+    v_1[0] = d_0 - g->l_1[i] * cosine[0];
+    v_1[1] = d_1 - g->l_1[i] * sine[0];
 }
 
 /* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_planar_rr_jacobian(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double m_00 = -d[1];
     const double m_01 = -v_1[1];
     M[0] = m_00;
@@ -188,20 +189,22 @@ static inline void krhpr_subleg_planar_rr_jacobian(
 /* Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_project(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2], const double N[2],
-    double *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double N[2], double *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     K[0] = d[0] * N[1] - d[1] * N[0];
     K[1] = v_1[0] * N[1] - v_1[1] * N[0];
 }
 
 /* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rr_velocity(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = -(d[1] * theta_dot[0] + v_1[1] * theta_dot[1]);
     const double w_1 = d[0] * theta_dot[0] + v_1[0] * theta_dot[1];
     s_dot[0] = w_0;
@@ -217,62 +220,62 @@ static inline void krhpr_subleg_planar_rr_bias_angles(const double theta[2], dou
 /* Velocity of the end point of the RR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14 multiply) */
 static inline void krhpr_subleg_planar_rr_bias(
-    const krhpr_subleg_planar_rr_geometry *g, const double s[2], const double theta_dot[2],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double theta_dot[2],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double v_1_0 = d_0 - g->l_1 * cosine[0]; /* last link */
-    const double v_1_1 = d_1 - g->l_1 * sine[0];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double v_1_0 = d_0 - g->l_1[i] * cosine[0]; /* last link */
+    const double v_1_1 = d_1 - g->l_1[i] * sine[0];
     const double t1 = theta_dot[0] * d_1 + theta_dot[1] * v_1_1;
     const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * v_1_0;
-    const double t2 = theta_dot[0] * s_dot_1 + theta_dot[1] * (s_dot_1 - g->l_1 * (theta_dot[0] * cosine[0]));
+    const double t2 = theta_dot[0] * s_dot_1 + theta_dot[1] * (s_dot_1 - g->l_1[i] * (theta_dot[0] * cosine[0]));
     s_dot[0] = -t1;
     s_dot[1] = s_dot_1;
     bias[0] = -t2;
-    bias[1] = theta_dot[1] * (g->l_1 * (theta_dot[0] * sine[0]) - t1) - theta_dot[0] * t1;
+    bias[1] = theta_dot[1] * (g->l_1[i] * (theta_dot[0] * sine[0]) - t1) - theta_dot[0] * t1;
 }
 
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rr_rates(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2], const double s_dot[2],
-    double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
     const double t1 = 1.0 / elbow;
     theta_dot[0] = (v_1[0] * s_dot[0] + v_1[1] * s_dot[1]) * t1;
     theta_dot[1] = -t1 * (d[0] * s_dot[0] + d[1] * s_dot[1]);
-    *regularity = fabs(elbow * g->k[5]);
+    *regularity = fabs(elbow * g->k[5][i]);
 }
 
 /* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
 static inline void krhpr_subleg_planar_rr_determinant(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2],
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0];
     *det_M = elbow;
-    factors[0] = elbow * g->k[5];
+    factors[0] = elbow * g->k[5][i];
 }
 
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
 static inline void krhpr_subleg_planar_rr_passive(
-    const krhpr_subleg_planar_rr_geometry *g, const double v_1[2], double *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double v_1[2], double *KRHPR_RESTRICT link)
 {
-    link[0] = v_1[0] * g->k[6];
-    link[1] = v_1[1] * g->k[6];
+    link[0] = v_1[0] * g->k[6][i];
+    link[1] = v_1[1] * g->k[6][i];
 }
 
 /* Joints of the RR sub-leg, from the base to S_i.  (4 add) */
 static inline void krhpr_subleg_planar_rr_points(
-    const krhpr_subleg_planar_rr_geometry *g, const double d[2], const double v_1[2], const double s[2],
-    double *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double s[2], double *KRHPR_RESTRICT points)
 {
-    points[0] = g->o[0];
-    points[1] = g->o[1];
-    points[2] = g->o[0] + d[0] - v_1[0];
-    points[3] = g->o[1] + d[1] - v_1[1];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
+    points[2] = g->o[0][i] + d[0] - v_1[0];
+    points[3] = g->o[1][i] + d[1] - v_1[1];
     points[4] = s[0];
     points[5] = s[1];
 }

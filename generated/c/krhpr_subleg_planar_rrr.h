@@ -11,34 +11,34 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_planar_rrr_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_planar_rrr_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double l_1; /* first link (m) */
-    double l_2; /* second link (m) */
-    double l_3; /* last link (m) */
-    double o[2]; /* base joint */
-    double k[7]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double l_1[KRHPR_PLACES]; /* first link (m) */
+    double l_2[KRHPR_PLACES]; /* second link (m) */
+    double l_3[KRHPR_PLACES]; /* last link (m) */
+    double o[2][KRHPR_PLACES]; /* base joint */
+    double k[7][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_rrr_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geometry *g)
+static inline void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geometry *g, int i)
 {
-    double e_r_1, e_r_0; krhpr_sincos(g->azimuth, &e_r_1, &e_r_0);
-    const double t1 = g->l_1 - g->l_2;
-    const double t2 = g->l_1 + g->l_2;
-    g->o[0] = g->R_b * e_r_0;
-    g->o[1] = g->R_b * e_r_1;
-    g->k[0] = t1 * t1;
-    g->k[1] = t2 * t2;
-    g->k[2] = g->l_1 * g->l_1;
-    g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = fabs(t1);
-    g->k[5] = 1.0 / (g->l_1 * g->l_2);
-    g->k[6] = 1.0 / g->l_3;
+    double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_1[i] - g->l_2[i];
+    const double t2 = g->l_1[i] + g->l_2[i];
+    g->o[0][i] = g->R_b[i] * e_r_0;
+    g->o[1][i] = g->R_b[i] * e_r_1;
+    g->k[0][i] = t1 * t1;
+    g->k[1][i] = t2 * t2;
+    g->k[2][i] = g->l_1[i] * g->l_1[i];
+    g->k[3][i] = g->l_2[i] * g->l_2[i];
+    g->k[4][i] = fabs(t1);
+    g->k[5][i] = 1.0 / (g->l_1[i] * g->l_2[i]);
+    g->k[6][i] = 1.0 / g->l_3[i];
 }
 
 /* Angles whose sines and cosines `forward` reads.  (2 add) */
@@ -52,17 +52,17 @@ static inline void krhpr_subleg_planar_rrr_forward_angles(const double theta[3],
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (6 add, 6 multiply) */
 static inline void krhpr_subleg_planar_rrr_forward(
-    const krhpr_subleg_planar_rrr_geometry *g, const double sine[3], const double cosine[3],
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s)
 {
-    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
-    const double u_2_1 = g->l_2 * sine[0];
-    const double u_3_0 = g->l_3 * cosine[1]; /* last link */
-    const double u_3_1 = g->l_3 * sine[1];
-    const double d_0 = u_2_0 + u_3_0 + g->l_1 * cosine[2]; /* r - o */
-    const double d_1 = u_2_1 + u_3_1 + g->l_1 * sine[2];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double u_2_0 = g->l_2[i] * cosine[0]; /* second link */
+    const double u_2_1 = g->l_2[i] * sine[0];
+    const double u_3_0 = g->l_3[i] * cosine[1]; /* last link */
+    const double u_3_1 = g->l_3[i] * sine[1];
+    const double d_0 = u_2_0 + u_3_0 + g->l_1[i] * cosine[2]; /* r - o */
+    const double d_1 = u_2_1 + u_3_1 + g->l_1[i] * sine[2];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (2 add) */
@@ -77,18 +77,18 @@ static inline void krhpr_subleg_planar_rrr_forward_posture_angles(
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (6 add, 6 multiply) */
 static inline void krhpr_subleg_planar_rrr_forward_posture(
-    const krhpr_subleg_planar_rrr_geometry *g, const double sine[3], const double cosine[3],
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2,
     double *KRHPR_RESTRICT u_3)
 {
-    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
-    const double u_2_1 = g->l_2 * sine[0];
-    const double u_3_0 = g->l_3 * cosine[1]; /* last link */
-    const double u_3_1 = g->l_3 * sine[1];
-    const double d_0 = u_2_0 + u_3_0 + g->l_1 * cosine[2]; /* r - o */
-    const double d_1 = u_2_1 + u_3_1 + g->l_1 * sine[2];
-    s[0] = g->o[0] + d_0;
-    s[1] = g->o[1] + d_1;
+    const double u_2_0 = g->l_2[i] * cosine[0]; /* second link */
+    const double u_2_1 = g->l_2[i] * sine[0];
+    const double u_3_0 = g->l_3[i] * cosine[1]; /* last link */
+    const double u_3_1 = g->l_3[i] * sine[1];
+    const double d_0 = u_2_0 + u_3_0 + g->l_1[i] * cosine[2]; /* r - o */
+    const double d_1 = u_2_1 + u_3_1 + g->l_1[i] * sine[2];
+    s[0] = g->o[0][i] + d_0;
+    s[1] = g->o[1][i] + d_1;
     d[0] = d_0;
     d[1] = d_1;
     u_2[0] = u_2_0;
@@ -106,17 +106,17 @@ static inline void krhpr_subleg_planar_rrr_inverse_angles(double swivel, double 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (17 add, 18 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_rrr_inverse(
-    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], const double mode[1], const double sine[1],
-    const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
-    double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double mode[1],
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double w_0 = s[0] - g->o[0] - g->l_3 * cosine[0]; /* wrist - o */
-    const double w_1 = s[1] - g->o[1] - g->l_3 * sine[0];
+    const double w_0 = s[0] - g->o[0][i] - g->l_3[i] * cosine[0]; /* wrist - o */
+    const double w_1 = s[1] - g->o[1][i] - g->l_3[i] * sine[0];
     const double d2 = w_0 * w_0 + w_1 * w_1;
-    const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
-    const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
+    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
     const double n = w_0 * A + w_1 * S;
     const double m = w_1 * A - w_0 * S;
     const double t1 = 1.0 / d2;
@@ -140,17 +140,17 @@ static inline void krhpr_subleg_planar_rrr_inverse_all_angles(double swivel, dou
 /* Every working mode of the RRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.3, 2.5.  (23 add, 25 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_rrr_inverse_all(
-    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], const double sine[1],
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
-    const double w_0 = s[0] - g->o[0] - g->l_3 * cosine[0]; /* wrist - o */
-    const double w_1 = s[1] - g->o[1] - g->l_3 * sine[0];
+    const double w_0 = s[0] - g->o[0][i] - g->l_3[i] * cosine[0]; /* wrist - o */
+    const double w_1 = s[1] - g->o[1][i] - g->l_3[i] * sine[0];
     const double d2 = w_0 * w_0 + w_1 * w_1;
-    const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
-    const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
+    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = w_0 * A;
     const double t2 = w_1 * S;
     const double n = t1 + t2;
@@ -189,13 +189,13 @@ static inline void krhpr_subleg_planar_rrr_reach_angles(double swivel, double *K
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 4 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_planar_rrr_reach(
-    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], const double sine[1],
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT excess)
 {
-    const double w_0 = s[0] - g->o[0] - g->l_3 * cosine[0]; /* wrist - o */
-    const double w_1 = s[1] - g->o[1] - g->l_3 * sine[0];
+    const double w_0 = s[0] - g->o[0][i] - g->l_3[i] * cosine[0]; /* wrist - o */
+    const double w_1 = s[1] - g->o[1][i] - g->l_3[i] * sine[0];
     const double distance = sqrt(w_0 * w_0 + w_1 * w_1);
-    *excess = krhpr_max(distance - g->l_1 - g->l_2, g->k[4] - distance);
+    *excess = krhpr_max(distance - g->l_1[i] - g->l_2[i], g->k[4][i] - distance);
 }
 
 /* Angles whose sines and cosines `posture` reads.  (1 add) */
@@ -208,27 +208,28 @@ static inline void krhpr_subleg_planar_rrr_posture_angles(const double theta[3],
 /* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (6 add, 4
  * multiply) */
 static inline void krhpr_subleg_planar_rrr_posture(
-    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], const double sine[2],
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT u_3)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
-    const double u_2_1 = g->l_2 * sine[0];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double u_2_0 = g->l_2[i] * cosine[0]; /* second link */
+    const double u_2_1 = g->l_2[i] * sine[0];
     d[0] = d_0;
     d[1] = d_1;
     u_2[0] = u_2_0;
     u_2[1] = u_2_1;
-    u_3[0] = d_0 - u_2_0 - g->l_1 * cosine[1];
-    u_3[1] = d_1 - u_2_1 - g->l_1 * sine[1];
+    u_3[0] = d_0 - u_2_0 - g->l_1[i] * cosine[1];
+    u_3[1] = d_1 - u_2_1 - g->l_1[i] * sine[1];
 }
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (2 add) */
 static inline void krhpr_subleg_planar_rrr_jacobian(
-    const krhpr_subleg_planar_rrr_geometry *g, const double d[2], const double u_2[2], const double u_3[2],
-    double *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
+    const double u_3[2], double *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double m_00 = -d[1];
     const double m_01 = -(u_2[1] + u_3[1]);
     const double m_02 = -u_3[1];
@@ -244,10 +245,11 @@ static inline void krhpr_subleg_planar_rrr_jacobian(
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (5 add, 6 multiply) */
 static inline void krhpr_subleg_planar_rrr_project(
-    const krhpr_subleg_planar_rrr_geometry *g, const double d[2], const double u_2[2], const double u_3[2],
-    const double N[2], double *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
+    const double u_3[2], const double N[2], double *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     const double m_11 = u_2[0] + u_3[0];
     K[0] = d[0] * N[1] - d[1] * N[0];
     K[1] = N[1] * m_11 - N[0] * (u_2[1] + u_3[1]);
@@ -256,10 +258,11 @@ static inline void krhpr_subleg_planar_rrr_project(
 
 /* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (6 add, 6 multiply) */
 static inline void krhpr_subleg_planar_rrr_velocity(
-    const krhpr_subleg_planar_rrr_geometry *g, const double d[2], const double u_2[2], const double u_3[2],
-    const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
+    const double u_3[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = -(theta_dot[1] * (u_2[1] + u_3[1]) + d[1] * theta_dot[0] + u_3[1] * theta_dot[2]);
     const double w_1 = d[0] * theta_dot[0] + theta_dot[1] * (u_2[0] + u_3[0]) + u_3[0] * theta_dot[2];
     s_dot[0] = w_0;
@@ -276,23 +279,23 @@ static inline void krhpr_subleg_planar_rrr_bias_angles(const double theta[3], do
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (23 add, 24 multiply) */
 static inline void krhpr_subleg_planar_rrr_bias(
-    const krhpr_subleg_planar_rrr_geometry *g, const double s[2], const double theta_dot[3],
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double theta_dot[3],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT swivel_bias)
 {
-    const double d_0 = s[0] - g->o[0]; /* r - o */
-    const double d_1 = s[1] - g->o[1];
-    const double u_2_0 = g->l_2 * cosine[0]; /* second link */
-    const double u_2_1 = g->l_2 * sine[0];
-    const double u_3_0 = d_0 - u_2_0 - g->l_1 * cosine[1]; /* last link */
-    const double u_3_1 = d_1 - u_2_1 - g->l_1 * sine[1];
+    const double d_0 = s[0] - g->o[0][i]; /* r - o */
+    const double d_1 = s[1] - g->o[1][i];
+    const double u_2_0 = g->l_2[i] * cosine[0]; /* second link */
+    const double u_2_1 = g->l_2[i] * sine[0];
+    const double u_3_0 = d_0 - u_2_0 - g->l_1[i] * cosine[1]; /* last link */
+    const double u_3_1 = d_1 - u_2_1 - g->l_1[i] * sine[1];
     const double t1 = theta_dot[1] * (u_2_1 + u_3_1) + theta_dot[0] * d_1 + theta_dot[2] * u_3_1;
     const double s_dot_1 = theta_dot[0] * d_0 + theta_dot[1] * (u_2_0 + u_3_0) + theta_dot[2] * u_3_0;
     const double t2 = theta_dot[0] + theta_dot[1];
-    const double t3 = g->l_2 * (sine[0] * t2);
-    const double t4 = g->l_2 * (cosine[0] * t2);
-    const double t5 = t3 - t1 + g->l_1 * (theta_dot[0] * sine[1]);
-    const double t6 = s_dot_1 - t4 - g->l_1 * (theta_dot[0] * cosine[1]);
+    const double t3 = g->l_2[i] * (sine[0] * t2);
+    const double t4 = g->l_2[i] * (cosine[0] * t2);
+    const double t5 = t3 - t1 + g->l_1[i] * (theta_dot[0] * sine[1]);
+    const double t6 = s_dot_1 - t4 - g->l_1[i] * (theta_dot[0] * cosine[1]);
     s_dot[0] = -t1;
     s_dot[1] = s_dot_1;
     bias[0] = -(theta_dot[1] * (t4 + t6) + theta_dot[0] * s_dot_1 + theta_dot[2] * t6);
@@ -303,16 +306,16 @@ static inline void krhpr_subleg_planar_rrr_bias(
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (11 add, 13 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_planar_rrr_rates(
-    const krhpr_subleg_planar_rrr_geometry *g, const double d[2], const double u_2[2], const double u_3[2],
-    const double s_dot[2], double swivel_rates, double *KRHPR_RESTRICT theta_dot,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
+    const double u_3[2], const double s_dot[2], double swivel_rates, double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
     const double u_1_0 = d[0] - u_2[0] - u_3[0]; /* first link */
     const double u_1_1 = d[1] - u_2[1] - u_3[1];
-    const double elbow = (u_2[1] * u_1_0 - u_2[0] * u_1_1) * g->k[5]; /* sin(theta_2) */
+    const double elbow = (u_2[1] * u_1_0 - u_2[0] * u_1_1) * g->k[5][i]; /* sin(theta_2) */
     const double w_dot_0 = s_dot[0] + u_3[1] * swivel_rates; /* velocity of the wrist */
     const double w_dot_1 = s_dot[1] - u_3[0] * swivel_rates;
-    const double l12_sin_2 = g->l_2 * (g->l_1 * elbow); /* l_1 l_2 sin(theta_2) */
+    const double l12_sin_2 = g->l_2[i] * (g->l_1[i] * elbow); /* l_1 l_2 sin(theta_2) */
     const double t1 = 1.0 / l12_sin_2;
     const double t_1 = (u_2[0] * w_dot_0 + u_2[1] * w_dot_1) * t1; /* rate of the first link */
     const double t2 = t1 * (u_1_0 * w_dot_0 + u_1_1 * w_dot_1);
@@ -325,10 +328,10 @@ static inline void krhpr_subleg_planar_rrr_rates(
 /* det M_i of the RRR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (12 add, 12 multiply, 1
  * square root) */
 static inline void krhpr_subleg_planar_rrr_determinant(
-    const krhpr_subleg_planar_rrr_geometry *g, const double d[2], const double u_2[2], const double u_3[2],
-    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
+    const double u_3[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
-    const double elbow = (u_2[1] * (d[0] - u_2[0] - u_3[0]) - u_2[0] * (d[1] - u_2[1] - u_3[1])) * g->k[5]; /* sin(theta_2) */
+    const double elbow = (u_2[1] * (d[0] - u_2[0] - u_3[0]) - u_2[0] * (d[1] - u_2[1] - u_3[1])) * g->k[5][i]; /* sin(theta_2) */
     const double t1 = u_2[1] + u_3[1];
     const double m_11 = u_2[0] + u_3[0]; /* A^-1 B in the leg's frame */
     const double minor_0 = d[0] * t1 - d[1] * m_11;
@@ -340,21 +343,21 @@ static inline void krhpr_subleg_planar_rrr_determinant(
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (2 multiply) */
 static inline void krhpr_subleg_planar_rrr_passive(
-    const krhpr_subleg_planar_rrr_geometry *g, const double u_3[2], double *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_3[2], double *KRHPR_RESTRICT link)
 {
-    link[0] = u_3[0] * g->k[6];
-    link[1] = u_3[1] * g->k[6];
+    link[0] = u_3[0] * g->k[6][i];
+    link[1] = u_3[1] * g->k[6][i];
 }
 
 /* Joints of the RRR sub-leg, from the base to S_i.  (4 add) */
 static inline void krhpr_subleg_planar_rrr_points(
-    const krhpr_subleg_planar_rrr_geometry *g, const double u_2[2], const double u_3[2], const double s[2],
-    double *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_2[2], const double u_3[2],
+    const double s[2], double *KRHPR_RESTRICT points)
 {
     const double wrist_0 = s[0] - u_3[0];
     const double wrist_1 = s[1] - u_3[1];
-    points[0] = g->o[0];
-    points[1] = g->o[1];
+    points[0] = g->o[0][i];
+    points[1] = g->o[1][i];
     points[2] = wrist_0 - u_2[0];
     points[3] = wrist_1 - u_2[1];
     points[4] = wrist_0;
@@ -365,10 +368,11 @@ static inline void krhpr_subleg_planar_rrr_points(
 
 /* Swivel of the RRR sub-leg.  (no operations) */
 static inline void krhpr_subleg_planar_rrr_swivel(
-    const krhpr_subleg_planar_rrr_geometry *g, const double u_3[2], double *KRHPR_RESTRICT tail_y,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_3[2], double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
     (void)(g);
+    (void)(i);
     tail_y[0] = u_3[1];
     tail_x[0] = u_3[0];
 }

@@ -11,58 +11,58 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_prr_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_prr_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double l_2; /* link to the elbow (m) */
-    double l_3; /* link from the elbow to the end point (m) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double k[10]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double l_2[KRHPR_PLACES]; /* link to the elbow (m) */
+    double l_3[KRHPR_PLACES]; /* link from the elbow to the end point (m) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double k[10][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_prr_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 2 divide, 2 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_prr_prepare(krhpr_subleg_prr_geometry *g)
+static inline void krhpr_subleg_prr_prepare(krhpr_subleg_prr_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->l_1 * t2;
-    const double c_0 = g->R_b * e_t_1 - t4;
-    const double t5 = g->l_1 * t3;
-    const double c_1 = g->R_b * e_r_1 - t5;
-    const double t6 = g->l_2 - g->l_3;
-    const double t7 = g->l_2 + g->l_3;
-    g->c[0] = c_0;
-    g->c[1] = c_1;
-    g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -e_t_1 * e_1_2;
-    g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->k[0] = t6 * t6;
-    g->k[1] = t7 * t7;
-    g->k[2] = g->l_2 * g->l_2;
-    g->k[3] = g->l_3 * g->l_3;
-    g->k[4] = fabs(t6);
-    g->k[5] = 1.0 / (g->l_2 * g->l_3);
-    g->k[6] = 1.0 / g->l_3;
-    g->k[7] = t4 + c_0;
-    g->k[8] = t5 + c_1;
-    g->k[9] = 0.0;
+    const double t4 = g->l_1[i] * t2;
+    const double c_0 = g->R_b[i] * e_t_1 - t4;
+    const double t5 = g->l_1[i] * t3;
+    const double c_1 = g->R_b[i] * e_r_1 - t5;
+    const double t6 = g->l_2[i] - g->l_3[i];
+    const double t7 = g->l_2[i] + g->l_3[i];
+    g->c[0][i] = c_0;
+    g->c[1][i] = c_1;
+    g->c[2][i] = g->l_1[i] * e_1_2;
+    g->e_x[0][i] = -e_t_1 * e_1_2;
+    g->e_x[1][i] = -e_r_1 * e_1_2;
+    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->k[0][i] = t6 * t6;
+    g->k[1][i] = t7 * t7;
+    g->k[2][i] = g->l_2[i] * g->l_2[i];
+    g->k[3][i] = g->l_3[i] * g->l_3[i];
+    g->k[4][i] = fabs(t6);
+    g->k[5][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[6][i] = 1.0 / g->l_3[i];
+    g->k[7][i] = t4 + c_0;
+    g->k[8][i] = t5 + c_1;
+    g->k[9][i] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
@@ -74,16 +74,16 @@ static inline void krhpr_subleg_prr_forward_angles(const double theta[3], double
 
 /* End point of the PRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 12 multiply) */
 static inline void krhpr_subleg_prr_forward(
-    const krhpr_subleg_prr_geometry *g, const double theta[3], const double sine[2], const double cosine[2],
-    double *KRHPR_RESTRICT s)
+    const krhpr_subleg_prr_geometry *g, int i, const double theta[3], const double sine[2],
+    const double cosine[2], double *KRHPR_RESTRICT s)
 {
-    const double v_1_0 = g->l_3 * cosine[0]; /* last link */
-    const double v_1_1 = g->l_3 * sine[0];
-    const double d_0 = v_1_0 + g->l_2 * cosine[1];
-    const double d_1 = v_1_1 + g->l_2 * sine[1];
-    s[0] = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0];
-    s[1] = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0];
-    s[2] = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    const double v_1_0 = g->l_3[i] * cosine[0]; /* last link */
+    const double v_1_1 = g->l_3[i] * sine[0];
+    const double d_0 = v_1_0 + g->l_2[i] * cosine[1];
+    const double d_1 = v_1_1 + g->l_2[i] * sine[1];
+    s[0] = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0];
+    s[1] = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0];
+    s[2] = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
@@ -96,16 +96,16 @@ static inline void krhpr_subleg_prr_forward_posture_angles(
 
 /* End point and posture of the PRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 12 multiply) */
 static inline void krhpr_subleg_prr_forward_posture(
-    const krhpr_subleg_prr_geometry *g, const double theta[3], const double sine[2], const double cosine[2],
-    double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_prr_geometry *g, int i, const double theta[3], const double sine[2],
+    const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
-    const double v_1_0 = g->l_3 * cosine[0]; /* last link */
-    const double v_1_1 = g->l_3 * sine[0];
-    const double d_0 = v_1_0 + g->l_2 * cosine[1];
-    const double d_1 = v_1_1 + g->l_2 * sine[1];
-    s[0] = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0];
-    s[1] = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0];
-    s[2] = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    const double v_1_0 = g->l_3[i] * cosine[0]; /* last link */
+    const double v_1_1 = g->l_3[i] * sine[0];
+    const double d_0 = v_1_0 + g->l_2[i] * cosine[1];
+    const double d_1 = v_1_1 + g->l_2[i] * sine[1];
+    s[0] = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0];
+    s[1] = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0];
+    s[2] = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     d[0] = d_0;
     d[1] = d_1;
     v_1[0] = v_1_0;
@@ -115,22 +115,22 @@ static inline void krhpr_subleg_prr_forward_posture(
 /* Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_prr_inverse(
-    const krhpr_subleg_prr_geometry *g, const double s[3], const double mode[1],
+    const krhpr_subleg_prr_geometry *g, int i, const double s[3], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
-    const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
+    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
-    theta[0] = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    theta[0] = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     theta[1] = krhpr_atan2(m, n);
     theta[2] = krhpr_atan2(S, C);
     *radicand = h2;
@@ -139,26 +139,26 @@ static inline void krhpr_subleg_prr_inverse(
 /* Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent) */
 static inline void krhpr_subleg_prr_inverse_all(
-    const krhpr_subleg_prr_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_prr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = (d2 - g->k[0]) * (g->k[1] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2] - g->k[3]; /* 2 a b cos */
-    const double A = d2 + g->k[2] - g->k[3]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
+    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
     const double t3 = d_1 * A;
     const double t4 = d_0 * S;
     const double m = t3 - t4;
-    const double theta_0 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double theta_0 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double S_a = -S; /* 2 a b sin */
     const double n_a = t1 - t2;
     const double m_a = t3 + t4;
@@ -174,15 +174,15 @@ static inline void krhpr_subleg_prr_inverse_all(
 /* Distance by which the end point lies outside the reach of the PRR sub-leg.  (11 add, 8 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_prr_reach(
-    const krhpr_subleg_prr_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_prr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double distance = sqrt(d_0 * d_0 + d_1 * d_1);
-    *excess = krhpr_max(distance - g->l_2 - g->l_3, g->k[4] - distance);
+    *excess = krhpr_max(distance - g->l_2[i] - g->l_3[i], g->k[4][i] - distance);
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
@@ -194,47 +194,48 @@ static inline void krhpr_subleg_prr_posture_angles(const double theta[3], double
 /* Posture of the PRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add, 8
  * multiply) */
 static inline void krhpr_subleg_prr_posture(
-    const krhpr_subleg_prr_geometry *g, const double s[3], const double sine[1], const double cosine[1],
-    double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_prr_geometry *g, int i, const double s[3], const double sine[1],
+    const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2; /* s - c in the plane (e_x, e_1) */
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2; /* s - c in the plane (e_x, e_1) */
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     d[0] = d_0;
     d[1] = d_1;
-    v_1[0] = d_0 - g->l_2 * cosine[0];
-    v_1[1] = d_1 - g->l_2 * sine[0];
+    v_1[0] = d_0 - g->l_2[i] * cosine[0];
+    v_1[1] = d_1 - g->l_2[i] * sine[0];
 }
 
 /* Jacobian M_i of the PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 12 multiply) */
 static inline void krhpr_subleg_prr_jacobian(
-    const krhpr_subleg_prr_geometry *g, const double d[2], const double v_1[2], double *KRHPR_RESTRICT M)
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2],
+    double *KRHPR_RESTRICT M)
 {
-    M[0] = g->e_t[0];
-    M[1] = g->e_1[0] * d[0] - g->e_x[0] * d[1];
-    M[2] = g->e_1[0] * v_1[0] - g->e_x[0] * v_1[1];
-    M[3] = g->e_t[1];
-    M[4] = g->e_1[1] * d[0] - g->e_x[1] * d[1];
-    M[5] = g->e_1[1] * v_1[0] - g->e_x[1] * v_1[1];
+    M[0] = g->e_t[0][i];
+    M[1] = g->e_1[0][i] * d[0] - g->e_x[0][i] * d[1];
+    M[2] = g->e_1[0][i] * v_1[0] - g->e_x[0][i] * v_1[1];
+    M[3] = g->e_t[1][i];
+    M[4] = g->e_1[1][i] * d[0] - g->e_x[1][i] * d[1];
+    M[5] = g->e_1[1][i] * v_1[0] - g->e_x[1][i] * v_1[1];
     M[6] = 0.0;
-    M[7] = g->e_1[2] * d[0] - g->e_x[2] * d[1];
-    M[8] = g->e_1[2] * v_1[0] - g->e_x[2] * v_1[1];
+    M[7] = g->e_1[2][i] * d[0] - g->e_x[2][i] * d[1];
+    M[8] = g->e_1[2][i] * v_1[0] - g->e_x[2][i] * v_1[1];
 }
 
 /* Rows of K: N M_i for the PRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (14 add, 24 multiply) */
 static inline void krhpr_subleg_prr_project(
-    const krhpr_subleg_prr_geometry *g, const double d[2], const double v_1[2], const double N[6],
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2], const double N[6],
     double *KRHPR_RESTRICT K)
 {
-    const double n_00 = g->e_x[0] * N[0] + g->e_x[1] * N[1] + g->e_x[2] * N[2];
-    const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
-    const double n_02 = g->e_t[0] * N[0] + g->e_t[1] * N[1];
-    const double n_10 = g->e_x[0] * N[3] + g->e_x[1] * N[4] + g->e_x[2] * N[5];
-    const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
-    const double n_12 = g->e_t[0] * N[3] + g->e_t[1] * N[4];
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2];
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
     K[0] = n_02;
     K[1] = d[0] * n_01 - d[1] * n_00;
     K[2] = v_1[0] * n_01 - v_1[1] * n_00;
@@ -245,14 +246,14 @@ static inline void krhpr_subleg_prr_project(
 
 /* Velocity of the end point of the PRR sub-leg, M theta_dot.  Thesis: (1.9).  (7 add, 12 multiply) */
 static inline void krhpr_subleg_prr_velocity(
-    const krhpr_subleg_prr_geometry *g, const double d[2], const double v_1[2], const double theta_dot[3],
-    double *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
     const double t1 = d[1] * theta_dot[1] + v_1[1] * theta_dot[2];
     const double w_2 = d[0] * theta_dot[1] + v_1[0] * theta_dot[2]; /* B theta_dot */
-    s_dot[0] = g->e_1[0] * w_2 + g->e_t[0] * theta_dot[0] - g->e_x[0] * t1;
-    s_dot[1] = g->e_1[1] * w_2 + g->e_t[1] * theta_dot[0] - g->e_x[1] * t1;
-    s_dot[2] = g->e_1[2] * w_2 - g->e_x[2] * t1;
+    s_dot[0] = g->e_1[0][i] * w_2 + g->e_t[0][i] * theta_dot[0] - g->e_x[0][i] * t1;
+    s_dot[1] = g->e_1[1][i] * w_2 + g->e_t[1][i] * theta_dot[0] - g->e_x[1][i] * t1;
+    s_dot[2] = g->e_1[2][i] * w_2 - g->e_x[2][i] * t1;
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -264,78 +265,78 @@ static inline void krhpr_subleg_prr_bias_angles(const double theta[3], double *K
 /* Velocity of the end point of the PRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (27 add, 40 multiply) */
 static inline void krhpr_subleg_prr_bias(
-    const krhpr_subleg_prr_geometry *g, const double s[3], const double theta_dot[3], const double sine[1],
-    const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
+    const krhpr_subleg_prr_geometry *g, int i, const double s[3], const double theta_dot[3],
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2; /* s - c in the plane (e_x, e_1) */
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double v_1_0 = d_0 - g->l_2 * cosine[0]; /* last link */
-    const double v_1_1 = d_1 - g->l_2 * sine[0];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2; /* s - c in the plane (e_x, e_1) */
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double v_1_0 = d_0 - g->l_2[i] * cosine[0]; /* last link */
+    const double v_1_1 = d_1 - g->l_2[i] * sine[0];
     const double t1 = theta_dot[1] * d_0 + theta_dot[2] * v_1_0;
     const double t2 = theta_dot[1] * d_1 + theta_dot[2] * v_1_1;
-    const double s_dot_0 = g->e_1[0] * t1 + g->e_t[0] * theta_dot[0] - g->e_x[0] * t2;
-    const double s_dot_1 = g->e_1[1] * t1 + g->e_t[1] * theta_dot[0] - g->e_x[1] * t2;
-    const double s_dot_2 = g->e_1[2] * t1 - g->e_x[2] * t2;
-    const double t3 = g->e_x[0] * s_dot_0 + g->e_x[1] * s_dot_1 + g->e_x[2] * s_dot_2;
-    const double t4 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
-    const double t5 = theta_dot[1] * t3 + theta_dot[2] * (t3 + g->l_2 * (theta_dot[1] * sine[0]));
-    const double t6 = theta_dot[1] * t4 + theta_dot[2] * (t4 - g->l_2 * (theta_dot[1] * cosine[0]));
+    const double s_dot_0 = g->e_1[0][i] * t1 + g->e_t[0][i] * theta_dot[0] - g->e_x[0][i] * t2;
+    const double s_dot_1 = g->e_1[1][i] * t1 + g->e_t[1][i] * theta_dot[0] - g->e_x[1][i] * t2;
+    const double s_dot_2 = g->e_1[2][i] * t1 - g->e_x[2][i] * t2;
+    const double t3 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2;
+    const double t4 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
+    const double t5 = theta_dot[1] * t3 + theta_dot[2] * (t3 + g->l_2[i] * (theta_dot[1] * sine[0]));
+    const double t6 = theta_dot[1] * t4 + theta_dot[2] * (t4 - g->l_2[i] * (theta_dot[1] * cosine[0]));
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = g->e_1[0] * t5 - g->e_x[0] * t6;
-    bias[1] = g->e_1[1] * t5 - g->e_x[1] * t6;
-    bias[2] = g->e_1[2] * t5 - g->e_x[2] * t6;
+    bias[0] = g->e_1[0][i] * t5 - g->e_x[0][i] * t6;
+    bias[1] = g->e_1[1][i] * t5 - g->e_x[1][i] * t6;
+    bias[2] = g->e_1[2][i] * t5 - g->e_x[2][i] * t6;
 }
 
 /* Actuated joint rates of the PRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (8 add, 17 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_prr_rates(
-    const krhpr_subleg_prr_geometry *g, const double d[2], const double v_1[2], const double s_dot[3],
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
-    const double v_l_0 = g->e_x[0] * s_dot[0] + g->e_x[1] * s_dot[1] + g->e_x[2] * s_dot[2]; /* velocity in the leg's frame */
-    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_l_2 = g->e_t[0] * s_dot[0] + g->e_t[1] * s_dot[1];
+    const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2]; /* velocity in the leg's frame */
+    const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
+    const double v_l_2 = g->e_t[0][i] * s_dot[0] + g->e_t[1][i] * s_dot[1];
     const double t1 = 1.0 / elbow;
     theta_dot[0] = v_l_2;
     theta_dot[1] = (v_1[0] * v_l_0 + v_1[1] * v_l_1) * t1;
     theta_dot[2] = -t1 * (d[0] * v_l_0 + d[1] * v_l_1);
-    *regularity = fabs(elbow * g->k[5]);
+    *regularity = fabs(elbow * g->k[5][i]);
 }
 
 /* det M_i of the PRR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
 static inline void krhpr_subleg_prr_determinant(
-    const krhpr_subleg_prr_geometry *g, const double d[2], const double v_1[2], double *KRHPR_RESTRICT det_M,
-    double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2],
+    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0] * v_1[1] - d[1] * v_1[0];
     *det_M = elbow;
-    factors[0] = elbow * g->k[5];
+    factors[0] = elbow * g->k[5][i];
 }
 
 /* Passive joints of the PRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 static inline void krhpr_subleg_prr_passive(
-    const krhpr_subleg_prr_geometry *g, const double v_1[2], double *KRHPR_RESTRICT link)
+    const krhpr_subleg_prr_geometry *g, int i, const double v_1[2], double *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v_1[0] * g->k[6]; /* direction of the last link in (x, e_1) */
-    const double dir_1 = v_1[1] * g->k[6];
-    const double along_0 = g->e_x[0] * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = g->e_x[1] * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = g->e_x[2] * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - g->e_x[0] * dir_1; /* e_2 x along */
-    const double across_1 = g->e_1[1] * dir_0 - g->e_x[1] * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - g->e_x[2] * dir_1;
+    const double dir_0 = v_1[0] * g->k[6][i]; /* direction of the last link in (x, e_1) */
+    const double dir_1 = v_1[1] * g->k[6][i];
+    const double along_0 = g->e_x[0][i] * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = g->e_x[1][i] * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = g->e_x[2][i] * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - g->e_x[0][i] * dir_1; /* e_2 x along */
+    const double across_1 = g->e_1[1][i] * dir_0 - g->e_x[1][i] * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - g->e_x[2][i] * dir_1;
     link[0] = along_0;
     link[1] = across_0;
-    link[2] = g->e_t[0];
+    link[2] = g->e_t[0][i];
     link[3] = along_1;
     link[4] = across_1;
-    link[5] = g->e_t[1];
+    link[5] = g->e_t[1][i];
     link[6] = along_2;
     link[7] = across_2;
     link[8] = 0.0;
@@ -343,26 +344,26 @@ static inline void krhpr_subleg_prr_passive(
 
 /* Joints of the PRR sub-leg, from the base to S_i.  (14 add, 12 multiply) */
 static inline void krhpr_subleg_prr_points(
-    const krhpr_subleg_prr_geometry *g, const double d[2], const double v_1[2], const double s[3],
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2], const double s[3],
     double *KRHPR_RESTRICT points)
 {
-    const double origin_0 = s[0] - g->e_x[0] * d[0] - g->e_1[0] * d[1]; /* c + theta_1 e_t */
-    const double origin_1 = s[1] - g->e_x[1] * d[0] - g->e_1[1] * d[1];
-    const double origin_2 = s[2] - g->e_x[2] * d[0] - g->e_1[2] * d[1];
+    const double origin_0 = s[0] - g->e_x[0][i] * d[0] - g->e_1[0][i] * d[1]; /* c + theta_1 e_t */
+    const double origin_1 = s[1] - g->e_x[1][i] * d[0] - g->e_1[1][i] * d[1];
+    const double origin_2 = s[2] - g->e_x[2][i] * d[0] - g->e_1[2][i] * d[1];
     const double t1 = d[1] - v_1[1];
     const double t2 = d[0] - v_1[0];
-    points[0] = g->k[7];
-    points[1] = g->k[8];
-    points[2] = g->k[9];
-    points[3] = g->c[0];
-    points[4] = g->c[1];
-    points[5] = g->c[2];
+    points[0] = g->k[7][i];
+    points[1] = g->k[8][i];
+    points[2] = g->k[9][i];
+    points[3] = g->c[0][i];
+    points[4] = g->c[1][i];
+    points[5] = g->c[2][i];
     points[6] = origin_0;
     points[7] = origin_1;
     points[8] = origin_2;
-    points[9] = origin_0 + g->e_1[0] * t1 + g->e_x[0] * t2;
-    points[10] = origin_1 + g->e_1[1] * t1 + g->e_x[1] * t2;
-    points[11] = origin_2 + g->e_1[2] * t1 + g->e_x[2] * t2;
+    points[9] = origin_0 + g->e_1[0][i] * t1 + g->e_x[0][i] * t2;
+    points[10] = origin_1 + g->e_1[1][i] * t1 + g->e_x[1][i] * t2;
+    points[11] = origin_2 + g->e_1[2][i] * t1 + g->e_x[2][i] * t2;
     points[12] = s[0];
     points[13] = s[1];
     points[14] = s[2];

@@ -12,79 +12,79 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_r_fivebar_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_r_fivebar_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double l_2; /* crank u_2 (m) */
-    double l_3; /* rod v_2 (m) */
-    double l_4; /* crank u_1 (m) */
-    double l_5; /* whole distal link (m) */
-    double l_6; /* part of the distal link from crank u_1 to S_i (m) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double k[23]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double l_2[KRHPR_PLACES]; /* crank u_2 (m) */
+    double l_3[KRHPR_PLACES]; /* rod v_2 (m) */
+    double l_4[KRHPR_PLACES]; /* crank u_1 (m) */
+    double l_5[KRHPR_PLACES]; /* whole distal link (m) */
+    double l_6[KRHPR_PLACES]; /* part of the distal link from crank u_1 to S_i (m) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double k[23][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_r_fivebar_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 7 divide, 2 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g)
+static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->l_1 * t2;
-    const double c_0 = g->R_b * e_t_1 - t4;
-    const double t5 = g->l_1 * t3;
-    const double c_1 = g->R_b * e_r_1 - t5;
-    const double k_7 = 1.0 - g->l_5 / g->l_6;
-    const double t6 = g->l_6 - g->l_5;
-    const double t7 = g->l_4 - g->l_6;
-    const double t8 = g->l_4 + g->l_6;
-    const double t9 = g->l_2 - g->l_3;
-    const double t10 = g->l_2 + g->l_3;
-    const double k_18 = 1.0 / g->l_6;
-    g->c[0] = c_0;
-    g->c[1] = c_1;
-    g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -e_t_1 * e_1_2;
-    g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->k[0] = g->l_3 * g->l_3;
-    g->k[1] = t6 * t6;
-    g->k[2] = 1.0 / k_7;
-    g->k[3] = t7 * t7;
-    g->k[4] = t8 * t8;
-    g->k[5] = g->l_4 * g->l_4;
-    g->k[6] = g->l_6 * g->l_6;
-    g->k[7] = k_7;
-    g->k[8] = t9 * t9;
-    g->k[9] = t10 * t10;
-    g->k[10] = g->l_2 * g->l_2;
-    g->k[11] = fabs(t9);
-    g->k[12] = fabs(t7);
-    g->k[13] = 1.0 - k_7;
-    g->k[14] = 1.0 / (g->l_3 * g->l_6);
-    g->k[15] = 1.0 / t8;
-    g->k[16] = 1.0 / (g->l_4 * g->l_6);
-    g->k[17] = 1.0 / (g->l_2 * g->l_3);
-    g->k[18] = k_18;
-    g->k[19] = 1.0 - g->l_5 * k_18;
-    g->k[20] = t4 + c_0;
-    g->k[21] = t5 + c_1;
-    g->k[22] = 0.0;
+    const double t4 = g->l_1[i] * t2;
+    const double c_0 = g->R_b[i] * e_t_1 - t4;
+    const double t5 = g->l_1[i] * t3;
+    const double c_1 = g->R_b[i] * e_r_1 - t5;
+    const double k_7 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double t6 = g->l_6[i] - g->l_5[i];
+    const double t7 = g->l_4[i] - g->l_6[i];
+    const double t8 = g->l_4[i] + g->l_6[i];
+    const double t9 = g->l_2[i] - g->l_3[i];
+    const double t10 = g->l_2[i] + g->l_3[i];
+    const double k_18 = 1.0 / g->l_6[i];
+    g->c[0][i] = c_0;
+    g->c[1][i] = c_1;
+    g->c[2][i] = g->l_1[i] * e_1_2;
+    g->e_x[0][i] = -e_t_1 * e_1_2;
+    g->e_x[1][i] = -e_r_1 * e_1_2;
+    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[1][i] = t6 * t6;
+    g->k[2][i] = 1.0 / k_7;
+    g->k[3][i] = t7 * t7;
+    g->k[4][i] = t8 * t8;
+    g->k[5][i] = g->l_4[i] * g->l_4[i];
+    g->k[6][i] = g->l_6[i] * g->l_6[i];
+    g->k[7][i] = k_7;
+    g->k[8][i] = t9 * t9;
+    g->k[9][i] = t10 * t10;
+    g->k[10][i] = g->l_2[i] * g->l_2[i];
+    g->k[11][i] = fabs(t9);
+    g->k[12][i] = fabs(t7);
+    g->k[13][i] = 1.0 - k_7;
+    g->k[14][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[15][i] = 1.0 / t8;
+    g->k[16][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[17][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[18][i] = k_18;
+    g->k[19][i] = 1.0 - g->l_5[i] * k_18;
+    g->k[20][i] = t4 + c_0;
+    g->k[21][i] = t5 + c_1;
+    g->k[22][i] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -98,32 +98,32 @@ static inline void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], 
 /* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 28 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_r_fivebar_forward(
-    const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double assembly[1], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
-    const double x_2 = g->e_x[2] * cosine[2];
-    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double x_0 = g->e_x[0][i] * cosine[2] - g->e_t[0][i] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[2] - g->e_t[1][i] * sine[2];
+    const double x_2 = g->e_x[2][i] * cosine[2];
+    s[0] = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1] = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2] = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
     *radicand = h2;
 }
 
@@ -139,40 +139,40 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_angles(
 /* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 33
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_r_fivebar_forward_posture(
-    const krhpr_subleg_r_fivebar_geometry *g, const double assembly[1], const double sine[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double assembly[1], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2,
     double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2,
     double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = assembly[0] * sqrt(h2);
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
-    const double x_2 = g->e_x[2] * cosine[2];
-    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double x_0 = g->e_x[0][i] * cosine[2] - g->e_t[0][i] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[2] - g->e_t[1][i] * sine[2];
+    const double x_2 = g->e_x[2][i] * cosine[2];
+    s[0] = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1] = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2] = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cosine[2] + g->e_x[0] * sine[2];
-    e_2[1] = g->e_t[1] * cosine[2] + g->e_x[1] * sine[2];
-    e_2[2] = g->e_x[2] * sine[2];
+    e_2[0] = g->e_t[0][i] * cosine[2] + g->e_x[0][i] * sine[2];
+    e_2[1] = g->e_t[1][i] * cosine[2] + g->e_x[1][i] * sine[2];
+    e_2[2] = g->e_x[2][i] * sine[2];
     d[0] = d_0;
     d[1] = d_1;
     u_1[0] = u_1_0;
@@ -194,19 +194,19 @@ static inline void krhpr_subleg_r_fivebar_forward_all_angles(
 /* End points of the R(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (32 add, 35 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_r_fivebar_forward_all(
-    const krhpr_subleg_r_fivebar_geometry *g, const double sine[3], const double cosine[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
-    const double u_1_0 = g->l_4 * cosine[0]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[0];
-    const double u_2_0 = g->l_2 * cosine[1]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[1];
+    const double u_1_0 = g->l_4[i] * cosine[0]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[0];
+    const double u_2_0 = g->l_2[i] * cosine[1]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[1];
     const double f_0 = u_1_0 - u_2_0; /* from C to E */
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
     const double t1 = 1.0 / d2;
-    const double along = 0.5 * (d2 + g->k[0] - g->k[1]) * t1;
-    const double h2 = g->k[0] * t1 - along * along;
+    const double along = 0.5 * (d2 + g->k[0][i] - g->k[1][i]) * t1;
+    const double h2 = g->k[0][i] * t1 - along * along;
     const double across = sqrt(h2);
     const double t2 = f_0 * along;
     const double t3 = f_1 * across;
@@ -216,54 +216,54 @@ static inline void krhpr_subleg_r_fivebar_forward_all(
     const double meeting_1 = t4 + t5;
     const double w_0 = meeting_0 - f_0; /* P - E */
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    const double x_0 = g->e_x[0] * cosine[2] - g->e_t[0] * sine[2]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[2] - g->e_t[1] * sine[2];
-    const double x_2 = g->e_x[2] * cosine[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double x_0 = g->e_x[0][i] * cosine[2] - g->e_t[0][i] * sine[2]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[2] - g->e_t[1][i] * sine[2];
+    const double x_2 = g->e_x[2][i] * cosine[2];
     const double meeting_0_a = t2 + t3;
     const double meeting_1_a = t5 - t4;
     const double w_0_a = meeting_0_a - f_0; /* P - E */
     const double w_1_a = meeting_1_a - f_1;
-    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
-    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
-    s[0] = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1] = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2] = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
-    s[3] = g->c[0] + x_0 * d_0_a + g->e_1[0] * d_1_a;
-    s[4] = g->c[1] + x_1 * d_0_a + g->e_1[1] * d_1_a;
-    s[5] = g->c[2] + x_2 * d_0_a + g->e_1[2] * d_1_a;
+    const double d_0_a = u_1_0 + g->k[2][i] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2][i] * w_1_a;
+    s[0] = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1] = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2] = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
+    s[3] = g->c[0][i] + x_0 * d_0_a + g->e_1[0][i] * d_1_a;
+    s[4] = g->c[1][i] + x_1 * d_0_a + g->e_1[1][i] * d_1_a;
+    s[5] = g->c[2][i] + x_2 * d_0_a + g->e_1[2][i] * d_1_a;
     *radicand = h2;
 }
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
 static inline void krhpr_subleg_r_fivebar_inverse(
-    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0] - g->c[0][i]; /* s - c */
+    const double d_1 = s[1] - g->c[1][i];
+    const double d_2 = s[2] - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
     const double d2 = r * r + y * y;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[2] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
@@ -280,20 +280,20 @@ static inline void krhpr_subleg_r_fivebar_inverse(
  * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
  * square root, 7 select) */
 static inline void krhpr_subleg_r_fivebar_inverse_all(
-    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], double *KRHPR_RESTRICT radicand,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0] - g->c[0][i]; /* s - c */
+    const double d_1 = s[1] - g->c[1][i];
+    const double d_2 = s[2] - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double r = sqrt(d_t * d_t + d_x * d_x);
     const double d2 = r * r + y * y;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double t1 = r * A;
     const double t2 = y * S;
     const double n = t1 + t2;
@@ -303,13 +303,13 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
     const double t6 = p_1 * p_1;
     const double d2_2 = p_0 * p_0 + t6;
-    const double h2_2 = (d2_2 - g->k[8]) * (g->k[9] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10] - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
     const double t7 = p_0 * A_2;
     const double t8 = p_1 * S_2;
     const double n_2 = t7 + t8;
@@ -322,13 +322,13 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double m_a = t3 + t4;
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7] * (r - u_1_0_a); /* u_1 + w - o_12 */
-    const double p_1_a = u_1_1_a + g->k[7] * (y - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[7][i] * (r - u_1_0_a); /* u_1 + w - o_12 */
+    const double p_1_a = u_1_1_a + g->k[7][i] * (y - u_1_1_a);
     const double t11 = p_1_a * p_1_a;
     const double d2_2_a = p_0_a * p_0_a + t11;
-    const double h2_2_a = (d2_2_a - g->k[8]) * (g->k[9] - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_a = (d2_2_a - g->k[8][i]) * (g->k[9][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
-    const double A_2_a = g->k[10] + d2_2_a - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i]; /* 2 a (a + b cos) */
     const double t12 = p_0_a * A_2_a;
     const double t13 = p_1_a * S_2_a;
     const double n_2_b = t12 + t13;
@@ -339,11 +339,11 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double m_2_c = t14 + t15;
     const double n_b = t2 - t1;
     const double u_1_0_b = t5 * (0.5 * n_b);
-    const double p_0_b = u_1_0_b - g->k[7] * (r + u_1_0_b); /* u_1 + w - o_12 */
+    const double p_0_b = u_1_0_b - g->k[7][i] * (r + u_1_0_b); /* u_1 + w - o_12 */
     const double d2_2_b = t11 + p_0_b * p_0_b;
-    const double h2_2_b = (d2_2_b - g->k[8]) * (g->k[9] - d2_2_b); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_b = (d2_2_b - g->k[8][i]) * (g->k[9][i] - d2_2_b); /* 4 a^2 b^2 sin^2 */
     const double S_2_b = sqrt(h2_2_b); /* 2 a b sin */
-    const double A_2_b = g->k[10] + d2_2_b - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2_b = g->k[10][i] + d2_2_b - g->k[0][i]; /* 2 a (a + b cos) */
     const double t16 = p_0_b * A_2_b;
     const double t17 = p_1_a * S_2_b;
     const double n_2_d = t16 + t17;
@@ -353,11 +353,11 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
     const double n_2_e = t16 - t17;
     const double m_2_e = t18 + t19;
     const double n_c = -n;
-    const double p_0_c = g->k[7] * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
+    const double p_0_c = g->k[7][i] * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
     const double d2_2_c = t6 + p_0_c * p_0_c;
-    const double h2_2_c = (d2_2_c - g->k[8]) * (g->k[9] - d2_2_c); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_c = (d2_2_c - g->k[8][i]) * (g->k[9][i] - d2_2_c); /* 4 a^2 b^2 sin^2 */
     const double S_2_c = sqrt(h2_2_c); /* 2 a b sin */
-    const double A_2_c = g->k[10] + d2_2_c - g->k[0]; /* 2 a (a + b cos) */
+    const double A_2_c = g->k[10][i] + d2_2_c - g->k[0][i]; /* 2 a (a + b cos) */
     const double t20 = p_0_c * A_2_c;
     const double t21 = p_1 * S_2_c;
     const double n_2_f = t20 + t21;
@@ -401,30 +401,30 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
 /* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
  * divide, 4 square root, 3 select) */
 static inline void krhpr_subleg_r_fivebar_reach(
-    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double mode[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0] - g->c[0]; /* s - c */
-    const double d_1 = s[1] - g->c[1];
-    const double d_2 = s[2] - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0] - g->c[0][i]; /* s - c */
+    const double d_1 = s[1] - g->c[1][i];
+    const double d_2 = s[2] - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
     const double d2 = r * r + y * y;
-    const double h2 = (d2 - g->k[3]) * (g->k[4] - d2); /* 4 a^2 b^2 sin^2 */
+    const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5] - g->k[6]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2 - g->l_3, g->k[11] - reach_2), krhpr_max(reach_1 - g->l_4 - g->l_6, g->k[12] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[11][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[12][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -439,96 +439,97 @@ static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], 
 /* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (11
  * add, 20 multiply) */
 static inline void krhpr_subleg_r_fivebar_posture(
-    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double sine[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
+    const double x_0 = g->e_x[0][i] * cosine[0] - g->e_t[0][i] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[0] - g->e_t[1][i] * sine[0];
+    const double x_2 = g->e_x[2][i] * cosine[0];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
-    e_2[0] = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0];
-    e_2[1] = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
-    e_2[2] = g->e_x[2] * sine[0];
+    e_2[0] = g->e_t[0][i] * cosine[0] + g->e_x[0][i] * sine[0];
+    e_2[1] = g->e_t[1][i] * cosine[0] + g->e_x[1][i] * sine[0];
+    e_2[2] = g->e_x[2][i] * sine[0];
     d[0] = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    d[1] = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    u_1[0] = g->l_4 * cosine[1];
-    u_1[1] = g->l_4 * sine[1];
-    u_2[0] = g->l_2 * cosine[2];
-    u_2[1] = g->l_2 * sine[2];
+    d[1] = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    u_1[0] = g->l_4[i] * cosine[1];
+    u_1[1] = g->l_4[i] * sine[1];
+    u_2[0] = g->l_2[i] * cosine[2];
+    u_2[1] = g->l_2[i] * sine[2];
 }
 
 /* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
  * multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_r_fivebar_jacobian(
-    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
-    const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
+    const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M,
+    double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7] * b_22;
+    const double t5 = g->k[7][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
     const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
     const double m_12 = t6 * (v_1_0 * b_33);
     M[0] = -e_2[0] * d[0];
-    M[1] = g->e_1[0] * m_11 + x[0] * m_01;
-    M[2] = g->e_1[0] * m_12 + x[0] * m_02;
+    M[1] = g->e_1[0][i] * m_11 + x[0] * m_01;
+    M[2] = g->e_1[0][i] * m_12 + x[0] * m_02;
     M[3] = -e_2[1] * d[0];
-    M[4] = g->e_1[1] * m_11 + x[1] * m_01;
-    M[5] = g->e_1[1] * m_12 + x[1] * m_02;
+    M[4] = g->e_1[1][i] * m_11 + x[1] * m_01;
+    M[5] = g->e_1[1][i] * m_12 + x[1] * m_02;
     M[6] = -e_2[2] * d[0];
-    M[7] = g->e_1[2] * m_11 + x[2] * m_01;
-    M[8] = g->e_1[2] * m_12 + x[2] * m_02;
-    *regularity = fabs(delta * g->k[14]);
+    M[7] = g->e_1[2][i] * m_11 + x[2] * m_01;
+    M[8] = g->e_1[2][i] * m_12 + x[2] * m_02;
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_r_fivebar_project(
-    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
-    const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
+    const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K,
     double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7] * b_22;
+    const double t5 = g->k[7][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
     const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
     const double m_12 = t6 * (v_1_0 * b_33);
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
-    const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
     const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
     const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
-    const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
     const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
     K[0] = -d[0] * n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
@@ -536,36 +537,36 @@ static inline void krhpr_subleg_r_fivebar_project(
     K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = fabs(delta * g->k[14]);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_r_fivebar_velocity(
-    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
-    const double u_1[2], const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot,
-    double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
+    const double d[2], const double u_1[2], const double u_2[2], const double theta_dot[3],
+    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = d[0] * theta_dot[0];
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_1 * (g->k[7] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
-    const double v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[7] * v_2_0));
-    s_dot[0] = g->e_1[0] * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
-    s_dot[1] = g->e_1[1] * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
-    s_dot[2] = g->e_1[2] * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
-    *regularity = fabs(delta * g->k[14]);
+    const double v_l_0 = (w_1 * (g->k[7][i] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
+    const double v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[7][i] * v_2_0));
+    s_dot[0] = g->e_1[0][i] * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
+    s_dot[1] = g->e_1[1][i] * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
+    s_dot[2] = g->e_1[2][i] * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -580,104 +581,105 @@ static inline void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], dou
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_r_fivebar_bias(
-    const krhpr_subleg_r_fivebar_geometry *g, const double s[3], const double theta_dot[3],
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double e_2_0 = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0]; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
-    const double e_2_2 = g->e_x[2] * sine[0];
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
+    const double x_0 = g->e_x[0][i] * cosine[0] - g->e_t[0][i] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[0] - g->e_t[1][i] * sine[0];
+    const double x_2 = g->e_x[2][i] * cosine[0];
+    const double e_2_0 = g->e_t[0][i] * cosine[0] + g->e_x[0][i] * sine[0]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1][i] * cosine[0] + g->e_x[1][i] * sine[0];
+    const double e_2_2 = g->e_x[2][i] * sine[0];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2; /* s - c in the plane (x, e_1) */
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double u_1_0 = g->l_4 * cosine[1]; /* crank u_1 */
-    const double u_1_1 = g->l_4 * sine[1];
-    const double u_2_0 = g->l_2 * cosine[2]; /* crank u_2 */
-    const double u_2_1 = g->l_2 * sine[2];
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double u_1_0 = g->l_4[i] * cosine[1]; /* crank u_1 */
+    const double u_1_1 = g->l_4[i] * sine[1];
+    const double u_2_0 = g->l_2[i] * cosine[2]; /* crank u_2 */
+    const double u_2_1 = g->l_2[i] * sine[2];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[7];
+    const double t1 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7];
+    const double t2 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t4 = theta_dot[1] * (g->k[7] * b_22);
+    const double t4 = theta_dot[1] * (g->k[7][i] * b_22);
     const double t5 = v_1_0 * t3 - v_2_0 * t4;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double t7 = g->e_1[0] * t5 * t6;
+    const double t7 = g->e_1[0][i] * t5 * t6;
     const double t8 = v_2_1 * t4 - v_1_1 * t3;
     const double t9 = t6 * (x_0 * t8);
     const double s_dot_0 = t7 + t9 - theta_dot[0] * (e_2_0 * d_0);
-    const double t10 = t6 * (g->e_1[1] * t5);
+    const double t10 = t6 * (g->e_1[1][i] * t5);
     const double t11 = t6 * (x_1 * t8);
     const double s_dot_1 = t10 + t11 - theta_dot[0] * (e_2_1 * d_0);
-    const double t12 = t6 * (g->e_1[2] * t5);
+    const double t12 = t6 * (g->e_1[2][i] * t5);
     const double t13 = t6 * (x_2 * t8);
     const double s_dot_2 = t12 + t13 - theta_dot[0] * (e_2_2 * d_0);
     const double t14 = theta_dot[0] * sine[0];
     const double t15 = theta_dot[0] * cosine[0];
-    const double t16 = g->e_x[0] * t14 + g->e_t[0] * t15;
-    const double t17 = g->e_x[1] * t14 + g->e_t[1] * t15;
-    const double t18 = g->e_x[2] * t14;
+    const double t16 = g->e_x[0][i] * t14 + g->e_t[0][i] * t15;
+    const double t17 = g->e_x[1][i] * t14 + g->e_t[1][i] * t15;
+    const double t18 = g->e_x[2][i] * t14;
     const double t19 = x_0 * s_dot_0 - arm_0 * t16 + (x_1 * s_dot_1 - arm_1 * t17) + (x_2 * s_dot_2 - arm_2 * t18);
-    const double t20 = g->l_4 * (theta_dot[1] * sine[1]);
-    const double t21 = g->l_4 * (theta_dot[1] * cosine[1]);
-    const double t22 = g->l_2 * (theta_dot[2] * sine[2]);
-    const double t23 = g->l_2 * (theta_dot[2] * cosine[2]);
+    const double t20 = g->l_4[i] * (theta_dot[1] * sine[1]);
+    const double t21 = g->l_4[i] * (theta_dot[1] * cosine[1]);
+    const double t22 = g->l_2[i] * (theta_dot[2] * sine[2]);
+    const double t23 = g->l_2[i] * (theta_dot[2] * cosine[2]);
     const double t24 = t19 + t20;
-    const double t25 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - t21;
-    const double t26 = g->k[7] * t24;
+    const double t25 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t21;
+    const double t26 = g->k[7][i] * t24;
     const double t27 = t22 + (t26 - t20);
-    const double t28 = g->k[7] * t25;
+    const double t28 = g->k[7][i] * t25;
     const double t29 = t21 + t28 - t23;
-    const double t30 = theta_dot[1] * (g->k[13] * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
+    const double t30 = theta_dot[1] * (g->k[13][i] * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
     const double t31 = t30 + theta_dot[2] * (u_2_0 * t29 - v_2_1 * t22 - (v_2_0 * t23 + u_2_1 * t27));
-    const double t32 = theta_dot[1] * (g->k[7] * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
+    const double t32 = theta_dot[1] * (g->k[7][i] * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
     const double t33 = t3 * t24 + v_1_0 * t31 - (t4 * t27 + v_2_0 * t32);
     const double t34 = v_2_1 * t26 + t1 * t29 - (t2 * t27 + v_2_0 * t28);
     const double t35 = t4 * t29 + v_2_1 * t32 - (t3 * t25 + v_1_1 * t31);
-    const double bias_0 = t6 * (g->e_1[0] * t33 - t7 * t34) + t6 * (x_0 * t35 - t8 * t16 - t9 * t34) - theta_dot[0] * (d_0 * (g->e_x[0] * t15 - g->e_t[0] * t14) + e_2_0 * t19);
-    const double bias_1 = t6 * (g->e_1[1] * t33 - t10 * t34) + t6 * (x_1 * t35 - t8 * t17 - t11 * t34) - theta_dot[0] * (d_0 * (g->e_x[1] * t15 - g->e_t[1] * t14) + e_2_1 * t19);
-    const double bias_2 = t6 * (g->e_1[2] * t33 - t12 * t34) + t6 * (x_2 * t35 - t8 * t18 - t13 * t34) - theta_dot[0] * (d_0 * (g->e_x[2] * t15) + e_2_2 * t19);
+    const double bias_0 = t6 * (g->e_1[0][i] * t33 - t7 * t34) + t6 * (x_0 * t35 - t8 * t16 - t9 * t34) - theta_dot[0] * (d_0 * (g->e_x[0][i] * t15 - g->e_t[0][i] * t14) + e_2_0 * t19);
+    const double t36 = t6 * (g->e_1[1][i] * t33 - t10 * t34) + t6 * (x_1 * t35 - t8 * t17 - t11 * t34);
+    const double bias_1 = t36 - theta_dot[0] * (d_0 * (g->e_x[1][i] * t15 - g->e_t[1][i] * t14) + e_2_1 * t19);
+    const double t37 = t6 * (g->e_1[2][i] * t33 - t12 * t34) + t6 * (x_2 * t35 - t8 * t18 - t13 * t34);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
     bias[0] = bias_0;
     bias[1] = bias_1;
-    bias[2] = bias_2;
-    *regularity = fabs(delta * g->k[14]);
+    bias[2] = t37 - theta_dot[0] * (d_0 * (g->e_x[2][i] * t15) + e_2_2 * t19);
+    *regularity = fabs(delta * g->k[14][i]);
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_r_fivebar_rates(
-    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
-    const double u_1[2], const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
-    double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
+    const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3],
+    double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
-    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
+    const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = v_l_0 * (g->k[7] * v_2_0) + v_l_1 * (g->k[7] * v_2_1);
+    const double w_2 = v_l_0 * (g->k[7][i] * v_2_0) + v_l_1 * (g->k[7][i] * v_2_1);
     const double t1 = 1.0 / b_22;
-    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[15]), fabs(b_22 * g->k[16])), fabs(b_33 * g->k[17]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[15][i]), fabs(b_22 * g->k[16][i])), fabs(b_33 * g->k[17][i]));
     theta_dot[0] = -v_l_2 / d[0];
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
@@ -687,43 +689,43 @@ static inline void krhpr_subleg_r_fivebar_rates(
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
  * 1.4.  (10 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_r_fivebar_determinant(
-    const krhpr_subleg_r_fivebar_geometry *g, const double d[2], const double u_1[2], const double u_2[2],
-    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
     const double t1 = u_1[0] * v_1_1;
     const double t2 = u_1[1] * v_1_0;
     const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[7] * delta);
-    factors[0] = d[0] * g->k[15];
-    factors[1] = b_22 * g->k[16];
-    factors[2] = b_33 * g->k[17];
-    factors[3] = delta * g->k[14];
+    *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[7][i] * delta);
+    factors[0] = d[0] * g->k[15][i];
+    factors[1] = b_22 * g->k[16][i];
+    factors[2] = b_33 * g->k[17][i];
+    factors[3] = delta * g->k[14][i];
 }
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
 static inline void krhpr_subleg_r_fivebar_passive(
-    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double e_2[3], const double d[2],
-    const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
-    double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
+    const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT link,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[19] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[19] - u_2[1];
-    const double dir_0 = v_1_0 * g->k[18]; /* direction of the last link in (x, e_1) */
-    const double dir_1 = v_1_1 * g->k[18];
-    const double along_0 = x[0] * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = x[1] * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = x[2] * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - x[0] * dir_1; /* e_2 x along */
-    const double across_1 = g->e_1[1] * dir_0 - x[1] * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - x[2] * dir_1;
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[19][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[19][i] - u_2[1];
+    const double dir_0 = v_1_0 * g->k[18][i]; /* direction of the last link in (x, e_1) */
+    const double dir_1 = v_1_1 * g->k[18][i];
+    const double along_0 = x[0] * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = x[1] * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = x[2] * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - x[0] * dir_1; /* e_2 x along */
+    const double across_1 = g->e_1[1][i] * dir_0 - x[1] * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - x[2] * dir_1;
     link[0] = along_0;
     link[1] = across_0;
     link[2] = e_2[0];
@@ -743,26 +745,26 @@ static inline void krhpr_subleg_r_fivebar_passive(
 
 /* Joints of the R(RR-RRR) sub-leg, from the base to S_i.  (22 add, 20 multiply) */
 static inline void krhpr_subleg_r_fivebar_points(
-    const krhpr_subleg_r_fivebar_geometry *g, const double x[3], const double d[2], const double u_1[2],
-    const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double d[2],
+    const double u_1[2], const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0] + g->k[7] * (d[0] - u_1[0]);
-    const double p_1 = u_1[1] + g->k[7] * (d[1] - u_1[1]);
-    points[0] = g->k[20];
-    points[1] = g->k[21];
-    points[2] = g->k[22];
-    points[3] = g->c[0];
-    points[4] = g->c[1];
-    points[5] = g->c[2];
-    points[6] = g->c[0] + g->e_1[0] * u_1[1] + x[0] * u_1[0];
-    points[7] = g->c[1] + g->e_1[1] * u_1[1] + x[1] * u_1[0];
-    points[8] = g->c[2] + g->e_1[2] * u_1[1] + x[2] * u_1[0];
-    points[9] = g->c[0] + g->e_1[0] * u_2[1] + x[0] * u_2[0];
-    points[10] = g->c[1] + g->e_1[1] * u_2[1] + x[1] * u_2[0];
-    points[11] = g->c[2] + g->e_1[2] * u_2[1] + x[2] * u_2[0];
-    points[12] = g->c[0] + g->e_1[0] * p_1 + x[0] * p_0;
-    points[13] = g->c[1] + g->e_1[1] * p_1 + x[1] * p_0;
-    points[14] = g->c[2] + g->e_1[2] * p_1 + x[2] * p_0;
+    const double p_0 = u_1[0] + g->k[7][i] * (d[0] - u_1[0]);
+    const double p_1 = u_1[1] + g->k[7][i] * (d[1] - u_1[1]);
+    points[0] = g->k[20][i];
+    points[1] = g->k[21][i];
+    points[2] = g->k[22][i];
+    points[3] = g->c[0][i];
+    points[4] = g->c[1][i];
+    points[5] = g->c[2][i];
+    points[6] = g->c[0][i] + g->e_1[0][i] * u_1[1] + x[0] * u_1[0];
+    points[7] = g->c[1][i] + g->e_1[1][i] * u_1[1] + x[1] * u_1[0];
+    points[8] = g->c[2][i] + g->e_1[2][i] * u_1[1] + x[2] * u_1[0];
+    points[9] = g->c[0][i] + g->e_1[0][i] * u_2[1] + x[0] * u_2[0];
+    points[10] = g->c[1][i] + g->e_1[1][i] * u_2[1] + x[1] * u_2[0];
+    points[11] = g->c[2][i] + g->e_1[2][i] * u_2[1] + x[2] * u_2[0];
+    points[12] = g->c[0][i] + g->e_1[0][i] * p_1 + x[0] * p_0;
+    points[13] = g->c[1][i] + g->e_1[1][i] * p_1 + x[1] * p_0;
+    points[14] = g->c[2][i] + g->e_1[2][i] * p_1 + x[2] * p_0;
     points[15] = s[0];
     points[16] = s[1];
     points[17] = s[2];

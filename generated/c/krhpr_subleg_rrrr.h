@@ -11,62 +11,62 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_rrrr_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_rrrr_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double l_2; /* link i2, to the elbow (m) */
-    double l_3; /* link i3, from the elbow to S_i (m) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double k[13]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double l_2[KRHPR_PLACES]; /* link i2, to the elbow (m) */
+    double l_3[KRHPR_PLACES]; /* link i3, from the elbow to S_i (m) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double k[13][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_rrrr_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 4 divide, 2 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g)
+static inline void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->l_1 * t2;
-    const double c_0 = g->R_b * e_t_1 - t4;
-    const double t5 = g->l_1 * t3;
-    const double c_1 = g->R_b * e_r_1 - t5;
-    const double t6 = g->l_2 - g->l_3;
-    const double t7 = g->l_2 + g->l_3;
-    const double k_6 = g->l_2 * g->l_3;
-    g->c[0] = c_0;
-    g->c[1] = c_1;
-    g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -e_t_1 * e_1_2;
-    g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->k[0] = 1.0 / g->l_2;
-    g->k[1] = t6 * t6;
-    g->k[2] = t7 * t7;
-    g->k[3] = g->l_2 * g->l_2;
-    g->k[4] = g->l_3 * g->l_3;
-    g->k[5] = fabs(t6);
-    g->k[6] = k_6;
-    g->k[7] = 1.0 / k_6;
-    g->k[8] = 1.0 / t7;
-    g->k[9] = 1.0 / g->l_3;
-    g->k[10] = t4 + c_0;
-    g->k[11] = t5 + c_1;
-    g->k[12] = 0.0;
+    const double t4 = g->l_1[i] * t2;
+    const double c_0 = g->R_b[i] * e_t_1 - t4;
+    const double t5 = g->l_1[i] * t3;
+    const double c_1 = g->R_b[i] * e_r_1 - t5;
+    const double t6 = g->l_2[i] - g->l_3[i];
+    const double t7 = g->l_2[i] + g->l_3[i];
+    const double k_6 = g->l_2[i] * g->l_3[i];
+    g->c[0][i] = c_0;
+    g->c[1][i] = c_1;
+    g->c[2][i] = g->l_1[i] * e_1_2;
+    g->e_x[0][i] = -e_t_1 * e_1_2;
+    g->e_x[1][i] = -e_r_1 * e_1_2;
+    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->k[0][i] = 1.0 / g->l_2[i];
+    g->k[1][i] = t6 * t6;
+    g->k[2][i] = t7 * t7;
+    g->k[3][i] = g->l_2[i] * g->l_2[i];
+    g->k[4][i] = g->l_3[i] * g->l_3[i];
+    g->k[5][i] = fabs(t6);
+    g->k[6][i] = k_6;
+    g->k[7][i] = 1.0 / k_6;
+    g->k[8][i] = 1.0 / t7;
+    g->k[9][i] = 1.0 / g->l_3[i];
+    g->k[10][i] = t4 + c_0;
+    g->k[11][i] = t5 + c_1;
+    g->k[12][i] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -80,26 +80,26 @@ static inline void krhpr_subleg_rrrr_forward_angles(const double theta[4], doubl
 
 /* End point of the 4R sub-leg from its actuated joints.  Thesis: 3.5.  (18 add, 40 multiply) */
 static inline void krhpr_subleg_rrrr_forward(
-    const krhpr_subleg_rrrr_geometry *g, const double sine[4], const double cosine[4],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double sine[4], const double cosine[4],
     double *KRHPR_RESTRICT s)
 {
-    const double u_0 = g->l_2 * cosine[0]; /* upper arm in (x, e_1, e_2) */
-    const double u_1 = g->l_2 * sine[0];
+    const double u_0 = g->l_2[i] * cosine[0]; /* upper arm in (x, e_1, e_2) */
+    const double u_1 = g->l_2[i] * sine[0];
     const double e_4_0 = sine[0] * sine[1]; /* elbow axis in (x, e_1, e_2) */
-    const double v_0 = g->l_3 * (u_0 * cosine[2] * g->k[0] - g->k[0] * (sine[2] * (cosine[1] * u_1))); /* forearm in (x, e_1, e_2) */
-    const double v_1 = g->l_3 * (g->k[0] * (u_1 * cosine[2]) + g->k[0] * (sine[2] * (cosine[1] * u_0)));
-    const double v_2 = g->k[0] * (sine[2] * (g->l_3 * (u_1 * e_4_0 + u_0 * (cosine[0] * sine[1]))));
-    const double x_0 = g->e_x[0] * cosine[3] - g->e_t[0] * sine[3]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[3] - g->e_t[1] * sine[3];
-    const double x_2 = g->e_x[2] * cosine[3];
-    const double e_2_0 = g->e_t[0] * cosine[3] + g->e_x[0] * sine[3]; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cosine[3] + g->e_x[1] * sine[3];
-    const double e_2_2 = g->e_x[2] * sine[3];
+    const double v_0 = g->l_3[i] * (u_0 * cosine[2] * g->k[0][i] - g->k[0][i] * (sine[2] * (cosine[1] * u_1))); /* forearm in (x, e_1, e_2) */
+    const double v_1 = g->l_3[i] * (g->k[0][i] * (u_1 * cosine[2]) + g->k[0][i] * (sine[2] * (cosine[1] * u_0)));
+    const double v_2 = g->k[0][i] * (sine[2] * (g->l_3[i] * (u_1 * e_4_0 + u_0 * (cosine[0] * sine[1]))));
+    const double x_0 = g->e_x[0][i] * cosine[3] - g->e_t[0][i] * sine[3]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[3] - g->e_t[1][i] * sine[3];
+    const double x_2 = g->e_x[2][i] * cosine[3];
+    const double e_2_0 = g->e_t[0][i] * cosine[3] + g->e_x[0][i] * sine[3]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1][i] * cosine[3] + g->e_x[1][i] * sine[3];
+    const double e_2_2 = g->e_x[2][i] * sine[3];
     const double d_0 = u_0 + v_0; /* s - c in (x, e_1, e_2) */
     const double d_1 = u_1 + v_1;
-    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1 + v_2 * e_2_0;
-    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1 + v_2 * e_2_1;
-    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1 + v_2 * e_2_2;
+    s[0] = g->c[0][i] + x_0 * d_0 + g->e_1[0][i] * d_1 + v_2 * e_2_0;
+    s[1] = g->c[1][i] + x_1 * d_0 + g->e_1[1][i] * d_1 + v_2 * e_2_1;
+    s[2] = g->c[2][i] + x_2 * d_0 + g->e_1[2][i] * d_1 + v_2 * e_2_2;
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
@@ -114,28 +114,28 @@ static inline void krhpr_subleg_rrrr_forward_posture_angles(
 
 /* End point and posture of the 4R sub-leg from its actuated joints.  Thesis: 3.5.  (18 add, 40 multiply) */
 static inline void krhpr_subleg_rrrr_forward_posture(
-    const krhpr_subleg_rrrr_geometry *g, const double sine[4], const double cosine[4],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double sine[4], const double cosine[4],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT v, double *KRHPR_RESTRICT e_4)
 {
-    const double u_0 = g->l_2 * cosine[0]; /* upper arm in (x, e_1, e_2) */
-    const double u_1 = g->l_2 * sine[0];
+    const double u_0 = g->l_2[i] * cosine[0]; /* upper arm in (x, e_1, e_2) */
+    const double u_1 = g->l_2[i] * sine[0];
     const double e_4_0 = sine[0] * sine[1]; /* elbow axis in (x, e_1, e_2) */
     const double t1 = cosine[0] * sine[1];
-    const double v_0 = g->l_3 * (u_0 * cosine[2] * g->k[0] - g->k[0] * (sine[2] * (cosine[1] * u_1))); /* forearm in (x, e_1, e_2) */
-    const double v_1 = g->l_3 * (g->k[0] * (u_1 * cosine[2]) + g->k[0] * (sine[2] * (cosine[1] * u_0)));
-    const double v_2 = g->k[0] * (sine[2] * (g->l_3 * (u_1 * e_4_0 + u_0 * t1)));
-    const double x_0 = g->e_x[0] * cosine[3] - g->e_t[0] * sine[3]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[3] - g->e_t[1] * sine[3];
-    const double x_2 = g->e_x[2] * cosine[3];
-    const double e_2_0 = g->e_t[0] * cosine[3] + g->e_x[0] * sine[3]; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cosine[3] + g->e_x[1] * sine[3];
-    const double e_2_2 = g->e_x[2] * sine[3];
+    const double v_0 = g->l_3[i] * (u_0 * cosine[2] * g->k[0][i] - g->k[0][i] * (sine[2] * (cosine[1] * u_1))); /* forearm in (x, e_1, e_2) */
+    const double v_1 = g->l_3[i] * (g->k[0][i] * (u_1 * cosine[2]) + g->k[0][i] * (sine[2] * (cosine[1] * u_0)));
+    const double v_2 = g->k[0][i] * (sine[2] * (g->l_3[i] * (u_1 * e_4_0 + u_0 * t1)));
+    const double x_0 = g->e_x[0][i] * cosine[3] - g->e_t[0][i] * sine[3]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[3] - g->e_t[1][i] * sine[3];
+    const double x_2 = g->e_x[2][i] * cosine[3];
+    const double e_2_0 = g->e_t[0][i] * cosine[3] + g->e_x[0][i] * sine[3]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1][i] * cosine[3] + g->e_x[1][i] * sine[3];
+    const double e_2_2 = g->e_x[2][i] * sine[3];
     const double d_0 = u_0 + v_0; /* s - c in (x, e_1, e_2) */
     const double d_1 = u_1 + v_1;
-    s[0] = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1 + v_2 * e_2_0;
-    s[1] = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1 + v_2 * e_2_1;
-    s[2] = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1 + v_2 * e_2_2;
+    s[0] = g->c[0][i] + x_0 * d_0 + g->e_1[0][i] * d_1 + v_2 * e_2_0;
+    s[1] = g->c[1][i] + x_1 * d_0 + g->e_1[1][i] * d_1 + v_2 * e_2_1;
+    s[2] = g->c[2][i] + x_2 * d_0 + g->e_1[2][i] * d_1 + v_2 * e_2_2;
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
@@ -162,29 +162,29 @@ static inline void krhpr_subleg_rrrr_inverse_angles(double swivel, double *KRHPR
 /* Actuated joints of the 4R sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 66 multiply, 3 divide, 4 square root) */
 static inline void krhpr_subleg_rrrr_inverse(
-    const krhpr_subleg_rrrr_geometry *g, const double s[3], const double mode[2], const double sine[1],
-    const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
-    double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double mode[2],
+    const double sine[1], const double cosine[1], double *KRHPR_RESTRICT radicand,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double d_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double d_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = d_0 * d_0;
     const double t2 = d_1 * d_1;
     const double t3 = d_2 * d_2;
     const double d2 = t1 + t2 + t3;
     const double r = sqrt(t1 + t3); /* distance from the first axis */
-    const double h2 = (d2 - g->k[1]) * (g->k[2] - d2); /* 4 l_2^2 l_3^2 sin^2(theta_4) */
+    const double h2 = (d2 - g->k[1][i]) * (g->k[2][i] - d2); /* 4 l_2^2 l_3^2 sin^2(theta_4) */
     const double root = sqrt(h2);
     const double t4 = 1.0 / d2;
     const double m_1 = 1.0 - t2 * t4;
     const double distance = sqrt(d2);
     const double t5 = 1.0 / distance;
     const double side_2 = d_0 * t5;
-    const double t6 = d2 + g->k[3] - g->k[4];
+    const double t6 = d2 + g->k[3][i] - g->k[4][i];
     const double t7 = root * 0.5;
     const double t8 = 1.0 / r;
     const double u_0 = t4 * (d_0 * 0.5 * t6) - t7 * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t8; /* upper arm in (e_x, e_1, e_t) */
@@ -197,7 +197,7 @@ static inline void krhpr_subleg_rrrr_inverse(
     const double n_0 = mode[1] * (d_2 * u_1 - d_1 * u_2); /* l_2 l_3 |sin(theta_4)| e_4 */
     const double n_1 = mode[1] * (d_0 * u_2 - d_2 * u_0);
     const double n_2 = mode[1] * (d_1 * u_0 - d_0 * u_1);
-    const double t10 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t9 + u_0 * e_2_2) + u_1 * (t9 * n_2)) * g->k[0];
+    const double t10 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t9 + u_0 * e_2_2) + u_1 * (t9 * n_2)) * g->k[0][i];
     *radicand = h2;
     tail_y[0] = e_2_0;
     tail_y[1] = u_1;
@@ -206,7 +206,7 @@ static inline void krhpr_subleg_rrrr_inverse(
     tail_x[0] = e_2_2;
     tail_x[1] = level;
     tail_x[2] = e_2_2 * n_2 - t9 * n_0;
-    tail_x[3] = d2 - g->k[3] - g->k[4];
+    tail_x[3] = d2 - g->k[3][i] - g->k[4][i];
 }
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
@@ -218,28 +218,29 @@ static inline void krhpr_subleg_rrrr_inverse_all_angles(double swivel, double *K
 /* Every working mode of the 4R sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
  * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (44 add, 76 multiply, 3 divide, 4 square root) */
 static inline void krhpr_subleg_rrrr_inverse_all(
-    const krhpr_subleg_rrrr_geometry *g, const double s[3], const double sine[1], const double cosine[1],
-    double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double sine[1],
+    const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
+    double *KRHPR_RESTRICT tail_x)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double d_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double d_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = d_0 * d_0;
     const double t2 = d_1 * d_1;
     const double t3 = d_2 * d_2;
     const double d2 = t1 + t2 + t3;
     const double r = sqrt(t1 + t3); /* distance from the first axis */
-    const double h2 = (d2 - g->k[1]) * (g->k[2] - d2); /* 4 l_2^2 l_3^2 sin^2(theta_4) */
+    const double h2 = (d2 - g->k[1][i]) * (g->k[2][i] - d2); /* 4 l_2^2 l_3^2 sin^2(theta_4) */
     const double root = sqrt(h2);
     const double t4 = 1.0 / d2;
     const double m_1 = 1.0 - t2 * t4;
     const double distance = sqrt(d2);
     const double t5 = 1.0 / distance;
     const double side_2 = d_0 * t5;
-    const double t6 = d2 + g->k[3] - g->k[4];
+    const double t6 = d2 + g->k[3][i] - g->k[4][i];
     const double t7 = t4 * (d_0 * 0.5 * t6);
     const double t8 = root * 0.5;
     const double t9 = 1.0 / r;
@@ -262,7 +263,7 @@ static inline void krhpr_subleg_rrrr_inverse_all(
     const double n_2 = t17 - t18; /* l_2 l_3 |sin(theta_4)| e_4 */
     const double t19 = u_1 * (u_2 * n_2);
     const double t20 = u_2 * n_0;
-    const double t21 = d2 - g->k[3] - g->k[4];
+    const double t21 = d2 - g->k[3][i] - g->k[4][i];
     const double n_0_a = t14 - t13; /* l_2 l_3 |sin(theta_4)| e_4 */
     const double n_1_a = t16 - t15;
     const double n_2_a = t18 - t17;
@@ -274,14 +275,14 @@ static inline void krhpr_subleg_rrrr_inverse_all(
     *radicand = h2;
     tail_y[0] = e_2_0;
     tail_y[1] = u_1;
-    tail_y[2] = (u_1 * (u_0 * n_0) - t12 * n_1 + t19) * g->k[0];
+    tail_y[2] = (u_1 * (u_0 * n_0) - t12 * n_1 + t19) * g->k[0][i];
     tail_y[3] = root;
-    tail_y[4] = g->k[0] * (u_1 * (u_0 * n_0_a) - t12 * n_1_a + t22);
+    tail_y[4] = g->k[0][i] * (u_1 * (u_0 * n_0_a) - t12 * n_1_a + t22);
     tail_y[5] = -root;
     tail_y[6] = u_2;
     tail_y[7] = u_1;
-    tail_y[8] = g->k[0] * (u_1 * (n_0 * e_2_2) - n_1 * t24 - t19);
-    tail_y[9] = g->k[0] * (u_1 * (n_0_a * e_2_2) - n_1_a * t24 - t22);
+    tail_y[8] = g->k[0][i] * (u_1 * (n_0 * e_2_2) - n_1 * t24 - t19);
+    tail_y[9] = g->k[0][i] * (u_1 * (n_0_a * e_2_2) - n_1_a * t24 - t22);
     tail_x[0] = u_0;
     tail_x[1] = level;
     tail_x[2] = u_0 * n_2 - t20;
@@ -297,13 +298,13 @@ static inline void krhpr_subleg_rrrr_inverse_all(
 /* Distance by which the end point lies outside the reach of the 4R sub-leg.  (8 add, 3 multiply, 1 square
  * root, 1 select) */
 static inline void krhpr_subleg_rrrr_reach(
-    const krhpr_subleg_rrrr_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
     const double distance = sqrt(arm_0 * arm_0 + arm_1 * arm_1 + arm_2 * arm_2);
-    *excess = krhpr_max(distance - g->l_2 - g->l_3, g->k[5] - distance);
+    *excess = krhpr_max(distance - g->l_2[i] - g->l_3[i], g->k[5][i] - distance);
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
@@ -317,24 +318,24 @@ static inline void krhpr_subleg_rrrr_posture_angles(const double theta[4], doubl
 /* Posture of the 4R sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (15 add, 23
  * multiply) */
 static inline void krhpr_subleg_rrrr_posture(
-    const krhpr_subleg_rrrr_geometry *g, const double s[3], const double sine[3], const double cosine[3],
-    double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v,
-    double *KRHPR_RESTRICT e_4)
+    const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double sine[3],
+    const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
+    double *KRHPR_RESTRICT v, double *KRHPR_RESTRICT e_4)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double e_2_0 = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0]; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
-    const double e_2_2 = g->e_x[2] * sine[0];
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
+    const double x_0 = g->e_x[0][i] * cosine[0] - g->e_t[0][i] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[0] - g->e_t[1][i] * sine[0];
+    const double x_2 = g->e_x[2][i] * cosine[0];
+    const double e_2_0 = g->e_t[0][i] * cosine[0] + g->e_x[0][i] * sine[0]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1][i] * cosine[0] + g->e_x[1][i] * sine[0];
+    const double e_2_2 = g->e_x[2][i] * sine[0];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d_2 = e_2_0 * arm_0 + e_2_1 * arm_1 + e_2_2 * arm_2;
-    const double u_0 = g->l_2 * cosine[1]; /* upper arm in (x, e_1, e_2) */
-    const double u_1 = g->l_2 * sine[1];
+    const double u_0 = g->l_2[i] * cosine[1]; /* upper arm in (x, e_1, e_2) */
+    const double u_1 = g->l_2[i] * sine[1];
     x[0] = x_0;
     x[1] = x_1;
     x[2] = x_2;
@@ -354,12 +355,12 @@ static inline void krhpr_subleg_rrrr_posture(
 
 /* Jacobian M_i of the 4R sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (27 add, 45 multiply) */
 static inline void krhpr_subleg_rrrr_jacobian(
-    const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double d[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], double *KRHPR_RESTRICT M)
 {
-    const double dir_0 = (d[0] - v[0]) * g->k[0]; /* along the upper arm */
-    const double dir_1 = g->k[0] * (d[1] - v[1]);
-    const double dir_2 = g->k[0] * (d[2] - v[2]);
+    const double dir_0 = (d[0] - v[0]) * g->k[0][i]; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * (d[1] - v[1]);
+    const double dir_2 = g->k[0][i] * (d[2] - v[2]);
     const double m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
     const double m_3_1 = v[0] * dir_2 - v[2] * dir_0;
     const double m_3_2 = v[1] * dir_0 - v[0] * dir_1;
@@ -367,28 +368,28 @@ static inline void krhpr_subleg_rrrr_jacobian(
     const double m_4_1 = v[0] * e_4[2] - v[2] * e_4[0];
     const double m_4_2 = v[1] * e_4[0] - v[0] * e_4[1];
     M[0] = x[0] * d[2] - e_2[0] * d[0];
-    M[1] = g->e_1[0] * d[0] - x[0] * d[1];
-    M[2] = e_2[0] * m_3_2 + g->e_1[0] * m_3_1 + x[0] * m_3_0;
-    M[3] = e_2[0] * m_4_2 + g->e_1[0] * m_4_1 + x[0] * m_4_0;
+    M[1] = g->e_1[0][i] * d[0] - x[0] * d[1];
+    M[2] = e_2[0] * m_3_2 + g->e_1[0][i] * m_3_1 + x[0] * m_3_0;
+    M[3] = e_2[0] * m_4_2 + g->e_1[0][i] * m_4_1 + x[0] * m_4_0;
     M[4] = x[1] * d[2] - e_2[1] * d[0];
-    M[5] = g->e_1[1] * d[0] - x[1] * d[1];
-    M[6] = e_2[1] * m_3_2 + g->e_1[1] * m_3_1 + x[1] * m_3_0;
-    M[7] = e_2[1] * m_4_2 + g->e_1[1] * m_4_1 + x[1] * m_4_0;
+    M[5] = g->e_1[1][i] * d[0] - x[1] * d[1];
+    M[6] = e_2[1] * m_3_2 + g->e_1[1][i] * m_3_1 + x[1] * m_3_0;
+    M[7] = e_2[1] * m_4_2 + g->e_1[1][i] * m_4_1 + x[1] * m_4_0;
     M[8] = x[2] * d[2] - e_2[2] * d[0];
-    M[9] = g->e_1[2] * d[0] - x[2] * d[1];
-    M[10] = e_2[2] * m_3_2 + g->e_1[2] * m_3_1 + x[2] * m_3_0;
-    M[11] = e_2[2] * m_4_2 + g->e_1[2] * m_4_1 + x[2] * m_4_0;
+    M[9] = g->e_1[2][i] * d[0] - x[2] * d[1];
+    M[10] = e_2[2] * m_3_2 + g->e_1[2][i] * m_3_1 + x[2] * m_3_0;
+    M[11] = e_2[2] * m_4_2 + g->e_1[2][i] * m_4_1 + x[2] * m_4_0;
 }
 
 /* Rows of K: N M_i for the 4R sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (33 add, 53 multiply) */
 static inline void krhpr_subleg_rrrr_project(
-    const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double d[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double N[6], double *KRHPR_RESTRICT K)
 {
-    const double dir_0 = (d[0] - v[0]) * g->k[0]; /* along the upper arm */
-    const double dir_1 = g->k[0] * (d[1] - v[1]);
-    const double dir_2 = g->k[0] * (d[2] - v[2]);
+    const double dir_0 = (d[0] - v[0]) * g->k[0][i]; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * (d[1] - v[1]);
+    const double dir_2 = g->k[0][i] * (d[2] - v[2]);
     const double m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
     const double m_3_1 = v[0] * dir_2 - v[2] * dir_0;
     const double m_3_2 = v[1] * dir_0 - v[0] * dir_1;
@@ -396,10 +397,10 @@ static inline void krhpr_subleg_rrrr_project(
     const double m_4_1 = v[0] * e_4[2] - v[2] * e_4[0];
     const double m_4_2 = v[1] * e_4[0] - v[0] * e_4[1];
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
-    const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
     const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
     const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
-    const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
     const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
     K[0] = d[2] * n_00 - d[0] * n_02;
     K[1] = d[0] * n_01 - d[1] * n_00;
@@ -413,12 +414,12 @@ static inline void krhpr_subleg_rrrr_project(
 
 /* Velocity of the end point of the 4R sub-leg, M theta_dot.  Thesis: (1.9).  (22 add, 34 multiply) */
 static inline void krhpr_subleg_rrrr_velocity(
-    const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double d[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double theta_dot[4], double *KRHPR_RESTRICT s_dot)
 {
-    const double dir_0 = (d[0] - v[0]) * g->k[0]; /* along the upper arm */
-    const double dir_1 = g->k[0] * (d[1] - v[1]);
-    const double dir_2 = g->k[0] * (d[2] - v[2]);
+    const double dir_0 = (d[0] - v[0]) * g->k[0][i]; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * (d[1] - v[1]);
+    const double dir_2 = g->k[0][i] * (d[2] - v[2]);
     const double m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
     const double m_3_1 = v[0] * dir_2 - v[2] * dir_0;
     const double m_3_2 = v[1] * dir_0 - v[0] * dir_1;
@@ -428,9 +429,9 @@ static inline void krhpr_subleg_rrrr_velocity(
     const double w_0 = d[2] * theta_dot[0] - d[1] * theta_dot[1] + m_3_0 * theta_dot[2] + m_4_0 * theta_dot[3]; /* B theta_dot */
     const double w_1 = d[0] * theta_dot[1] + m_3_1 * theta_dot[2] + m_4_1 * theta_dot[3];
     const double w_2 = m_3_2 * theta_dot[2] - d[0] * theta_dot[0] + m_4_2 * theta_dot[3];
-    s_dot[0] = e_2[0] * w_2 + g->e_1[0] * w_1 + x[0] * w_0;
-    s_dot[1] = e_2[1] * w_2 + g->e_1[1] * w_1 + x[1] * w_0;
-    s_dot[2] = e_2[2] * w_2 + g->e_1[2] * w_1 + x[2] * w_0;
+    s_dot[0] = e_2[0] * w_2 + g->e_1[0][i] * w_1 + x[0] * w_0;
+    s_dot[1] = e_2[1] * w_2 + g->e_1[1][i] * w_1 + x[1] * w_0;
+    s_dot[2] = e_2[2] * w_2 + g->e_1[2][i] * w_1 + x[2] * w_0;
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -445,30 +446,30 @@ static inline void krhpr_subleg_rrrr_bias_angles(const double theta[4], double *
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (122 add, 194 multiply, 2 divide, 1
  * square root) */
 static inline void krhpr_subleg_rrrr_bias(
-    const krhpr_subleg_rrrr_geometry *g, const double s[3], const double theta_dot[4], const double sine[3],
-    const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
+    const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double theta_dot[4],
+    const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT swivel_bias)
 {
-    const double x_0 = g->e_x[0] * cosine[0] - g->e_t[0] * sine[0]; /* Rot(e_1, theta_1) e_x */
-    const double x_1 = g->e_x[1] * cosine[0] - g->e_t[1] * sine[0];
-    const double x_2 = g->e_x[2] * cosine[0];
-    const double e_2_0 = g->e_t[0] * cosine[0] + g->e_x[0] * sine[0]; /* Rot(e_1, theta_1) e_t */
-    const double e_2_1 = g->e_t[1] * cosine[0] + g->e_x[1] * sine[0];
-    const double e_2_2 = g->e_x[2] * sine[0];
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
+    const double x_0 = g->e_x[0][i] * cosine[0] - g->e_t[0][i] * sine[0]; /* Rot(e_1, theta_1) e_x */
+    const double x_1 = g->e_x[1][i] * cosine[0] - g->e_t[1][i] * sine[0];
+    const double x_2 = g->e_x[2][i] * cosine[0];
+    const double e_2_0 = g->e_t[0][i] * cosine[0] + g->e_x[0][i] * sine[0]; /* Rot(e_1, theta_1) e_t */
+    const double e_2_1 = g->e_t[1][i] * cosine[0] + g->e_x[1][i] * sine[0];
+    const double e_2_2 = g->e_x[2][i] * sine[0];
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d_2 = e_2_0 * arm_0 + e_2_1 * arm_1 + e_2_2 * arm_2;
-    const double u_0 = g->l_2 * cosine[1]; /* upper arm in (x, e_1, e_2) */
-    const double u_1 = g->l_2 * sine[1];
+    const double u_0 = g->l_2[i] * cosine[1]; /* upper arm in (x, e_1, e_2) */
+    const double u_1 = g->l_2[i] * sine[1];
     const double e_4_0 = sine[1] * sine[2]; /* elbow axis in (x, e_1, e_2) */
     const double t1 = cosine[1] * sine[2];
     const double v_0 = d_0 - u_0;
     const double v_1 = d_1 - u_1;
-    const double dir_0 = (d_0 - v_0) * g->k[0]; /* along the upper arm */
-    const double dir_1 = g->k[0] * (d_1 - v_1);
+    const double dir_0 = (d_0 - v_0) * g->k[0][i]; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * (d_1 - v_1);
     const double m_3_0 = d_2 * dir_1; /* column 3 of (2.32) */
     const double m_3_2 = v_1 * dir_0 - v_0 * dir_1;
     const double t2 = d_2 * t1 + cosine[2] * v_1;
@@ -482,9 +483,9 @@ static inline void krhpr_subleg_rrrr_bias(
     const double t4 = theta_dot[2] * m_3_2 - theta_dot[0] * d_0 + theta_dot[3] * m_4_2;
     const double t5 = theta_dot[1] * d_0 - theta_dot[2] * (d_2 * dir_0) + theta_dot[3] * m_4_1;
     const double t6 = theta_dot[0] * d_2 - theta_dot[1] * d_1 + theta_dot[2] * m_3_0 - theta_dot[3] * t2;
-    const double s_dot_0 = e_2_0 * t4 + g->e_1[0] * t5 + x_0 * t6;
-    const double s_dot_1 = e_2_1 * t4 + g->e_1[1] * t5 + x_1 * t6;
-    const double s_dot_2 = e_2_2 * t4 + g->e_1[2] * t5 + x_2 * t6;
+    const double s_dot_0 = e_2_0 * t4 + g->e_1[0][i] * t5 + x_0 * t6;
+    const double s_dot_1 = e_2_1 * t4 + g->e_1[1][i] * t5 + x_1 * t6;
+    const double s_dot_2 = e_2_2 * t4 + g->e_1[2][i] * t5 + x_2 * t6;
     const double t7 = d_2 * lean;
     const double t8 = 1.0 / distance;
     const double t9 = d_2 * m_3_0 - d_0 * m_3_2;
@@ -492,14 +493,14 @@ static inline void krhpr_subleg_rrrr_bias(
     const double t11 = d_2 * t2 + d_0 * m_4_2;
     const double t12 = theta_dot[0] * sine[0];
     const double t13 = theta_dot[0] * cosine[0];
-    const double t14 = g->e_x[0] * t12 + g->e_t[0] * t13;
-    const double t15 = g->e_x[1] * t12 + g->e_t[1] * t13;
-    const double t16 = g->e_x[2] * t12;
-    const double t17 = g->e_x[0] * t13 - g->e_t[0] * t12;
-    const double t18 = g->e_x[1] * t13 - g->e_t[1] * t12;
-    const double t19 = g->e_x[2] * t13;
+    const double t14 = g->e_x[0][i] * t12 + g->e_t[0][i] * t13;
+    const double t15 = g->e_x[1][i] * t12 + g->e_t[1][i] * t13;
+    const double t16 = g->e_x[2][i] * t12;
+    const double t17 = g->e_x[0][i] * t13 - g->e_t[0][i] * t12;
+    const double t18 = g->e_x[1][i] * t13 - g->e_t[1][i] * t12;
+    const double t19 = g->e_x[2][i] * t13;
     const double t20 = x_0 * s_dot_0 - arm_0 * t14 + (x_1 * s_dot_1 - arm_1 * t15) + (x_2 * s_dot_2 - arm_2 * t16);
-    const double t21 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
+    const double t21 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
     const double t22 = arm_0 * t17 + e_2_0 * s_dot_0 + (arm_1 * t18 + e_2_1 * s_dot_1) + (arm_2 * t19 + e_2_2 * s_dot_2);
     const double t23 = theta_dot[1] * sine[1];
     const double t24 = theta_dot[1] * cosine[1];
@@ -507,10 +508,10 @@ static inline void krhpr_subleg_rrrr_bias(
     const double t26 = theta_dot[2] * cosine[2];
     const double t27 = sine[2] * t24 + sine[1] * t26;
     const double t28 = cosine[1] * t26 - sine[2] * t23;
-    const double t29 = t20 + g->l_2 * t23;
-    const double t30 = t21 - g->l_2 * t24;
-    const double t31 = g->k[0] * (t20 - t29);
-    const double t32 = g->k[0] * (t21 - t30);
+    const double t29 = t20 + g->l_2[i] * t23;
+    const double t30 = t21 - g->l_2[i] * t24;
+    const double t31 = g->k[0][i] * (t20 - t29);
+    const double t32 = g->k[0][i] * (t21 - t30);
     const double t33 = dir_1 * t22 + d_2 * t32;
     const double t34 = dir_0 * t30 + v_1 * t31 - (dir_1 * t29 + v_0 * t32);
     const double t35 = t1 * t22 + d_2 * t28 + (cosine[2] * t30 - v_1 * t25);
@@ -531,23 +532,23 @@ static inline void krhpr_subleg_rrrr_bias(
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = t4 * t17 + e_2_0 * t37 + g->e_1[0] * t38 + (x_0 * t39 - t6 * t14);
-    bias[1] = t4 * t18 + e_2_1 * t37 + g->e_1[1] * t38 + (x_1 * t39 - t6 * t15);
-    bias[2] = t4 * t19 + e_2_2 * t37 + g->e_1[2] * t38 + (x_2 * t39 - t6 * t16);
+    bias[0] = t4 * t17 + e_2_0 * t37 + g->e_1[0][i] * t38 + (x_0 * t39 - t6 * t14);
+    bias[1] = t4 * t18 + e_2_1 * t37 + g->e_1[1][i] * t38 + (x_1 * t39 - t6 * t15);
+    bias[2] = t4 * t19 + e_2_2 * t37 + g->e_1[2][i] * t38 + (x_2 * t39 - t6 * t16);
     *swivel_bias = t8 * t46 + t8 * t48 + t8 * (t49 - t8 * (t10 * t11) * t44);
 }
 
 /* Actuated joint rates of the 4R sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (33 add, 56 multiply, 4 divide, 2 square root, 7 select) */
 static inline void krhpr_subleg_rrrr_rates(
-    const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double d[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double s_dot[3], double swivel_rates,
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = d[0] - v[0];
-    const double dir_0 = t1 * g->k[0]; /* along the upper arm */
+    const double dir_0 = t1 * g->k[0][i]; /* along the upper arm */
     const double t2 = d[1] - v[1];
-    const double dir_1 = g->k[0] * t2; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * t2; /* along the upper arm */
     const double t3 = d[2] - v[2];
     const double m_4_0 = v[2] * e_4[1] - v[1] * e_4[2]; /* column 4 of (2.32) */
     const double m_4_1 = v[0] * e_4[2] - v[2] * e_4[0];
@@ -556,12 +557,12 @@ static inline void krhpr_subleg_rrrr_rates(
     const double d2 = r2 + d[1] * d[1];
     const double distance = sqrt(d2);
     const double t4 = e_4[0] * (v[2] * t2 - v[1] * t3) + e_4[1] * (v[0] * t3 - v[2] * t1) + e_4[2] * (v[1] * t1 - v[0] * t2);
-    const double sin_4 = t4 * g->k[7];
+    const double sin_4 = t4 * g->k[7][i];
     const double r = sqrt(r2);
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
-    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
+    const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
-    const double t5 = (d[0] * v_l_0 + d[1] * v_l_1 + d[2] * v_l_2) / (g->k[6] * sin_4);
+    const double t5 = (d[0] * v_l_0 + d[1] * v_l_1 + d[2] * v_l_2) / (g->k[6][i] * sin_4);
     const double rate_4 = -t5;
     const double turned_0 = v_l_0 + m_4_0 * t5; /* omega x d */
     const double turned_1 = v_l_1 + m_4_1 * t5;
@@ -572,7 +573,7 @@ static inline void krhpr_subleg_rrrr_rates(
     const double omega_1 = t6 * (d[1] * about + d[2] * turned_0 - d[0] * turned_2);
     const double omega_2 = t6 * (d[2] * about + d[0] * turned_1 - d[1] * turned_0);
     const double rate_3 = omega_0 / dir_0;
-    const double regularity_a = krhpr_min(krhpr_min(krhpr_min(fabs(dir_0), fabs(sin_4)), fabs(distance * g->k[8])), fabs(r * g->k[8]));
+    const double regularity_a = krhpr_min(krhpr_min(krhpr_min(fabs(dir_0), fabs(sin_4)), fabs(distance * g->k[8][i])), fabs(r * g->k[8][i]));
     theta_dot[0] = omega_1 - dir_1 * rate_3;
     theta_dot[1] = omega_2;
     theta_dot[2] = rate_3;
@@ -583,15 +584,15 @@ static inline void krhpr_subleg_rrrr_rates(
 /* det M_i of the 4R sub-leg and its dimensionless factors: shoulder, elbow, distance, axis.  Thesis: 1.4.
  * (28 add, 53 multiply, 3 square root) */
 static inline void krhpr_subleg_rrrr_determinant(
-    const krhpr_subleg_rrrr_geometry *g, const double d[3], const double v[3], const double e_4[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double d[3], const double v[3], const double e_4[3],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double t1 = d[0] - v[0];
-    const double dir_0 = t1 * g->k[0]; /* along the upper arm */
+    const double dir_0 = t1 * g->k[0][i]; /* along the upper arm */
     const double t2 = d[1] - v[1];
-    const double dir_1 = g->k[0] * t2; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * t2; /* along the upper arm */
     const double t3 = d[2] - v[2];
-    const double dir_2 = g->k[0] * t3; /* along the upper arm */
+    const double dir_2 = g->k[0][i] * t3; /* along the upper arm */
     const double m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
     const double m_3_1 = v[0] * dir_2 - v[2] * dir_0;
     const double m_3_2 = v[1] * dir_0 - v[0] * dir_1;
@@ -603,7 +604,7 @@ static inline void krhpr_subleg_rrrr_determinant(
     const double d2 = r2 + d[1] * d[1];
     const double distance = sqrt(d2);
     const double t5 = e_4[0] * (v[2] * t2 - v[1] * t3) + e_4[1] * (v[0] * t3 - v[2] * t1) + e_4[2] * (v[1] * t1 - v[0] * t2);
-    const double sin_4 = t5 * g->k[7];
+    const double sin_4 = t5 * g->k[7][i];
     const double r = sqrt(r2);
     const double t6 = d[0] * d[2];
     const double t7 = d[0] * d[1];
@@ -617,46 +618,46 @@ static inline void krhpr_subleg_rrrr_determinant(
     *det_M = det_M_a;
     factors[0] = dir_0;
     factors[1] = sin_4;
-    factors[2] = distance * g->k[8];
-    factors[3] = r * g->k[8];
+    factors[2] = distance * g->k[8][i];
+    factors[3] = r * g->k[8][i];
 }
 
 /* Passive joints of the 4R sub-leg and the orientation of its last link.  (21 add, 36 multiply) */
 static inline void krhpr_subleg_rrrr_passive(
-    const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double v[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double v[3],
     const double e_4[3], double *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v[0] * g->k[9]; /* along the forearm */
-    const double dir_1 = v[1] * g->k[9];
-    const double dir_2 = v[2] * g->k[9];
+    const double dir_0 = v[0] * g->k[9][i]; /* along the forearm */
+    const double dir_1 = v[1] * g->k[9][i];
+    const double dir_2 = v[2] * g->k[9][i];
     const double across_0 = e_4[1] * dir_2 - e_4[2] * dir_1;
     const double across_1 = e_4[2] * dir_0 - e_4[0] * dir_2;
     const double across_2 = e_4[0] * dir_1 - e_4[1] * dir_0;
-    link[0] = x[0] * dir_0 + g->e_1[0] * dir_1 + e_2[0] * dir_2;
-    link[1] = x[0] * across_0 + g->e_1[0] * across_1 + e_2[0] * across_2;
-    link[2] = e_2[0] * e_4[2] + x[0] * e_4[0] + g->e_1[0] * e_4[1];
-    link[3] = x[1] * dir_0 + g->e_1[1] * dir_1 + e_2[1] * dir_2;
-    link[4] = x[1] * across_0 + g->e_1[1] * across_1 + e_2[1] * across_2;
-    link[5] = e_2[1] * e_4[2] + x[1] * e_4[0] + g->e_1[1] * e_4[1];
-    link[6] = x[2] * dir_0 + g->e_1[2] * dir_1 + e_2[2] * dir_2;
-    link[7] = x[2] * across_0 + g->e_1[2] * across_1 + e_2[2] * across_2;
-    link[8] = e_2[2] * e_4[2] + x[2] * e_4[0] + g->e_1[2] * e_4[1];
+    link[0] = x[0] * dir_0 + g->e_1[0][i] * dir_1 + e_2[0] * dir_2;
+    link[1] = x[0] * across_0 + g->e_1[0][i] * across_1 + e_2[0] * across_2;
+    link[2] = e_2[0] * e_4[2] + x[0] * e_4[0] + g->e_1[0][i] * e_4[1];
+    link[3] = x[1] * dir_0 + g->e_1[1][i] * dir_1 + e_2[1] * dir_2;
+    link[4] = x[1] * across_0 + g->e_1[1][i] * across_1 + e_2[1] * across_2;
+    link[5] = e_2[1] * e_4[2] + x[1] * e_4[0] + g->e_1[1][i] * e_4[1];
+    link[6] = x[2] * dir_0 + g->e_1[2][i] * dir_1 + e_2[2] * dir_2;
+    link[7] = x[2] * across_0 + g->e_1[2][i] * across_1 + e_2[2] * across_2;
+    link[8] = e_2[2] * e_4[2] + x[2] * e_4[0] + g->e_1[2][i] * e_4[1];
 }
 
 /* Joints of the 4R sub-leg, from the base to S_i.  (9 add, 9 multiply) */
 static inline void krhpr_subleg_rrrr_points(
-    const krhpr_subleg_rrrr_geometry *g, const double x[3], const double e_2[3], const double v[3],
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double v[3],
     const double s[3], double *KRHPR_RESTRICT points)
 {
-    points[0] = g->k[10];
-    points[1] = g->k[11];
-    points[2] = g->k[12];
-    points[3] = g->c[0];
-    points[4] = g->c[1];
-    points[5] = g->c[2];
-    points[6] = s[0] - e_2[0] * v[2] - g->e_1[0] * v[1] - x[0] * v[0];
-    points[7] = s[1] - e_2[1] * v[2] - g->e_1[1] * v[1] - x[1] * v[0];
-    points[8] = s[2] - e_2[2] * v[2] - g->e_1[2] * v[1] - x[2] * v[0];
+    points[0] = g->k[10][i];
+    points[1] = g->k[11][i];
+    points[2] = g->k[12][i];
+    points[3] = g->c[0][i];
+    points[4] = g->c[1][i];
+    points[5] = g->c[2][i];
+    points[6] = s[0] - e_2[0] * v[2] - g->e_1[0][i] * v[1] - x[0] * v[0];
+    points[7] = s[1] - e_2[1] * v[2] - g->e_1[1][i] * v[1] - x[1] * v[0];
+    points[8] = s[2] - e_2[2] * v[2] - g->e_1[2][i] * v[1] - x[2] * v[0];
     points[9] = s[0];
     points[10] = s[1];
     points[11] = s[2];
@@ -664,10 +665,11 @@ static inline void krhpr_subleg_rrrr_points(
 
 /* Swivel of the 4R sub-leg.  (9 add, 10 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_rrrr_swivel(
-    const krhpr_subleg_rrrr_geometry *g, const double d[3], const double v[3], double *KRHPR_RESTRICT tail_y,
-    double *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrrr_geometry *g, int i, const double d[3], const double v[3],
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
     (void)(g);
+    (void)(i);
     const double r2 = d[0] * d[0] + d[2] * d[2];
     const double d2 = r2 + d[1] * d[1];
     const double distance = sqrt(d2);

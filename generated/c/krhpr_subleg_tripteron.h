@@ -11,178 +11,184 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_tripteron_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_tripteron_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double l_2; /* first link of each slide (m) */
-    double l_3; /* second link of each slide (m) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double k[15]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double l_2[KRHPR_PLACES]; /* first link of each slide (m) */
+    double l_3[KRHPR_PLACES]; /* second link of each slide (m) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double k[15][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_tripteron_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 24 multiply, 2 divide, 2 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g)
+static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
     const double t4 = e_t_1 * e_1_2;
     const double t5 = e_r_1 * e_1_2;
     const double t6 = e_t_1 * t2 + e_r_1 * t3;
-    const double t7 = g->l_2 - g->l_3;
-    const double t8 = g->l_2 + g->l_3;
+    const double t7 = g->l_2[i] - g->l_3[i];
+    const double t8 = g->l_2[i] + g->l_3[i];
     const double k_1 = t8 * t8;
-    const double k_4 = g->l_2 * g->l_2;
-    const double k_5 = g->l_3 * g->l_3;
-    g->c[0] = g->R_b * e_t_1 - g->l_1 * t2;
-    g->c[1] = g->R_b * e_r_1 - g->l_1 * t3;
-    g->c[2] = g->l_1 * e_1_2;
-    g->e_x[0] = -t4;
-    g->e_x[1] = -t5;
-    g->e_x[2] = -t6;
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->k[0] = t7 * t7;
-    g->k[1] = k_1;
-    g->k[2] = fabs(t7);
-    g->k[3] = 1.0 / (k_4 * k_5);
-    g->k[4] = k_4;
-    g->k[5] = k_5;
-    g->k[6] = 1.0 / k_1;
-    g->k[7] = -t2 * 0.5;
-    g->k[8] = -e_r_1 * 0.5;
-    g->k[9] = -t3 * 0.5;
-    g->k[10] = e_t_1 * 0.5;
-    g->k[11] = e_1_2 * 0.5;
-    g->k[12] = -t4 * 0.5;
-    g->k[13] = -t5 * 0.5;
-    g->k[14] = -t6 * 0.5;
+    const double k_4 = g->l_2[i] * g->l_2[i];
+    const double k_5 = g->l_3[i] * g->l_3[i];
+    g->c[0][i] = g->R_b[i] * e_t_1 - g->l_1[i] * t2;
+    g->c[1][i] = g->R_b[i] * e_r_1 - g->l_1[i] * t3;
+    g->c[2][i] = g->l_1[i] * e_1_2;
+    g->e_x[0][i] = -t4;
+    g->e_x[1][i] = -t5;
+    g->e_x[2][i] = -t6;
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->k[0][i] = t7 * t7;
+    g->k[1][i] = k_1;
+    g->k[2][i] = fabs(t7);
+    g->k[3][i] = 1.0 / (k_4 * k_5);
+    g->k[4][i] = k_4;
+    g->k[5][i] = k_5;
+    g->k[6][i] = 1.0 / k_1;
+    g->k[7][i] = -t2 * 0.5;
+    g->k[8][i] = -e_r_1 * 0.5;
+    g->k[9][i] = -t3 * 0.5;
+    g->k[10][i] = e_t_1 * 0.5;
+    g->k[11][i] = e_1_2 * 0.5;
+    g->k[12][i] = -t4 * 0.5;
+    g->k[13][i] = -t5 * 0.5;
+    g->k[14][i] = -t6 * 0.5;
 }
 
 /* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14 multiply, 2
  * select) */
 static inline void krhpr_subleg_tripteron_forward(
-    const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
+    const krhpr_subleg_tripteron_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[1] * theta[1];
     const double t2 = theta[2] * theta[2];
     const double t3 = theta[0] * theta[0];
-    const double t4 = g->k[1] - t3;
-    const double t5 = krhpr_min((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2), (t2 + t3 - g->k[0]) * (t4 - t2));
-    s[0] = g->c[0] + g->e_1[0] * theta[1] + g->e_t[0] * theta[2] + g->e_x[0] * theta[0];
-    s[1] = g->c[1] + g->e_1[1] * theta[1] + g->e_t[1] * theta[2] + g->e_x[1] * theta[0];
-    s[2] = g->c[2] + g->e_1[2] * theta[1] + g->e_x[2] * theta[0];
-    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
+    const double t4 = g->k[1][i] - t3;
+    const double t5 = krhpr_min((t1 + t2 - g->k[0][i]) * (g->k[1][i] - t1 - t2), (t2 + t3 - g->k[0][i]) * (t4 - t2));
+    const double s_0 = g->c[0][i] + g->e_1[0][i] * theta[1] + g->e_t[0][i] * theta[2] + g->e_x[0][i] * theta[0];
+    const double s_1 = g->c[1][i] + g->e_1[1][i] * theta[1] + g->e_t[1][i] * theta[2] + g->e_x[1][i] * theta[0];
+    s[0] = s_0;
+    s[1] = s_1;
+    s[2] = g->c[2][i] + g->e_1[2][i] * theta[1] + g->e_x[2][i] * theta[0];
+    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0][i]) * (t4 - t1));
 }
 
 /* End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14
  * multiply, 2 select) */
 static inline void krhpr_subleg_tripteron_forward_posture(
-    const krhpr_subleg_tripteron_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
+    const krhpr_subleg_tripteron_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT rho, double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[1] * theta[1];
     const double t2 = theta[2] * theta[2];
     const double t3 = theta[0] * theta[0];
-    const double t4 = g->k[1] - t3;
-    const double t5 = krhpr_min((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2), (t2 + t3 - g->k[0]) * (t4 - t2));
-    s[0] = g->c[0] + g->e_1[0] * theta[1] + g->e_t[0] * theta[2] + g->e_x[0] * theta[0];
-    s[1] = g->c[1] + g->e_1[1] * theta[1] + g->e_t[1] * theta[2] + g->e_x[1] * theta[0];
-    s[2] = g->c[2] + g->e_1[2] * theta[1] + g->e_x[2] * theta[0];
+    const double t4 = g->k[1][i] - t3;
+    const double t5 = krhpr_min((t1 + t2 - g->k[0][i]) * (g->k[1][i] - t1 - t2), (t2 + t3 - g->k[0][i]) * (t4 - t2));
+    const double s_0 = g->c[0][i] + g->e_1[0][i] * theta[1] + g->e_t[0][i] * theta[2] + g->e_x[0][i] * theta[0];
+    const double s_1 = g->c[1][i] + g->e_1[1][i] * theta[1] + g->e_t[1][i] * theta[2] + g->e_x[1][i] * theta[0];
+    s[0] = s_0;
+    s[1] = s_1;
+    s[2] = g->c[2][i] + g->e_1[2][i] * theta[1] + g->e_x[2][i] * theta[0];
     rho[0] = theta[0];
     rho[1] = theta[1];
     rho[2] = theta[2];
-    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
+    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0][i]) * (t4 - t1));
 }
 
 /* Actuated joints of the (Tripteron) sub-leg in one working mode.  The mode is given by signs; NaN where
  * the end point is out of reach.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
 static inline void krhpr_subleg_tripteron_inverse(
-    const krhpr_subleg_tripteron_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double rho_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double rho_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double rho_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double rho_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double rho_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double rho_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = rho_1 * rho_1;
     const double t2 = rho_2 * rho_2;
     const double t3 = rho_0 * rho_0;
-    const double t4 = g->k[1] - t3;
-    const double t5 = krhpr_min((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2), (t2 + t3 - g->k[0]) * (t4 - t2));
+    const double t4 = g->k[1][i] - t3;
+    const double t5 = krhpr_min((t1 + t2 - g->k[0][i]) * (g->k[1][i] - t1 - t2), (t2 + t3 - g->k[0][i]) * (t4 - t2));
     theta[0] = rho_0;
     theta[1] = rho_1;
     theta[2] = rho_2;
-    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
+    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0][i]) * (t4 - t1));
 }
 
 /* Every working mode of the (Tripteron) sub-leg, in the order only; NaN where a mode does not exist.
  * Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
 static inline void krhpr_subleg_tripteron_inverse_all(
-    const krhpr_subleg_tripteron_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double rho_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double rho_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double rho_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double rho_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double rho_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double rho_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = rho_1 * rho_1;
     const double t2 = rho_2 * rho_2;
     const double t3 = rho_0 * rho_0;
-    const double t4 = g->k[1] - t3;
-    const double t5 = krhpr_min((t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2), (t2 + t3 - g->k[0]) * (t4 - t2));
+    const double t4 = g->k[1][i] - t3;
+    const double t5 = krhpr_min((t1 + t2 - g->k[0][i]) * (g->k[1][i] - t1 - t2), (t2 + t3 - g->k[0][i]) * (t4 - t2));
     theta[0] = rho_0;
     theta[1] = rho_1;
     theta[2] = rho_2;
-    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0]) * (t4 - t1));
+    *radicand = krhpr_min(t5, (t1 + t3 - g->k[0][i]) * (t4 - t1));
 }
 
 /* Distance by which the end point lies outside the reach of the (Tripteron) sub-leg.  (20 add, 11 multiply,
  * 3 square root, 5 select) */
 static inline void krhpr_subleg_tripteron_reach(
-    const krhpr_subleg_tripteron_geometry *g, const double s[3], double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
-    const double arm_0 = s[0] - g->c[0]; /* s - c */
-    const double arm_1 = s[1] - g->c[1];
-    const double arm_2 = s[2] - g->c[2];
-    const double rho_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double rho_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double rho_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0] - g->c[0][i]; /* s - c */
+    const double arm_1 = s[1] - g->c[1][i];
+    const double arm_2 = s[2] - g->c[2][i];
+    const double rho_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double rho_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double rho_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = rho_1 * rho_1;
     const double t2 = rho_2 * rho_2;
     const double distance_1 = sqrt(t1 + t2);
     const double t3 = rho_0 * rho_0;
     const double distance_2 = sqrt(t2 + t3);
     const double distance_3 = sqrt(t1 + t3);
-    const double t4 = krhpr_max(krhpr_max(distance_1 - g->l_2 - g->l_3, g->k[2] - distance_1), krhpr_max(distance_2 - g->l_2 - g->l_3, g->k[2] - distance_2));
-    *excess = krhpr_max(t4, krhpr_max(distance_3 - g->l_2 - g->l_3, g->k[2] - distance_3));
+    const double t4 = krhpr_max(krhpr_max(distance_1 - g->l_2[i] - g->l_3[i], g->k[2][i] - distance_1), krhpr_max(distance_2 - g->l_2[i] - g->l_3[i], g->k[2][i] - distance_2));
+    const double excess_a = krhpr_max(t4, krhpr_max(distance_3 - g->l_2[i] - g->l_3[i], g->k[2][i] - distance_3));
+    *excess = excess_a;
 }
 
 /* Posture of the (Tripteron) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (no
  * operations) */
 static inline void krhpr_subleg_tripteron_posture(
-    const krhpr_subleg_tripteron_geometry *g, const double s[3], const double theta[3],
+    const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], const double theta[3],
     double *KRHPR_RESTRICT rho)
 {
     (void)(g);
+    (void)(i);
     (void)(s);
     rho[0] = theta[0];
     rho[1] = theta[1];
@@ -191,30 +197,30 @@ static inline void krhpr_subleg_tripteron_posture(
 
 /* Jacobian M_i of the (Tripteron) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 static inline void krhpr_subleg_tripteron_jacobian(
-    const krhpr_subleg_tripteron_geometry *g, double *KRHPR_RESTRICT M)
+    const krhpr_subleg_tripteron_geometry *g, int i, double *KRHPR_RESTRICT M)
 {
-    M[0] = g->e_x[0];
-    M[1] = g->e_1[0];
-    M[2] = g->e_t[0];
-    M[3] = g->e_x[1];
-    M[4] = g->e_1[1];
-    M[5] = g->e_t[1];
-    M[6] = g->e_x[2];
-    M[7] = g->e_1[2];
+    M[0] = g->e_x[0][i];
+    M[1] = g->e_1[0][i];
+    M[2] = g->e_t[0][i];
+    M[3] = g->e_x[1][i];
+    M[4] = g->e_1[1][i];
+    M[5] = g->e_t[1][i];
+    M[6] = g->e_x[2][i];
+    M[7] = g->e_1[2][i];
     M[8] = 0.0;
 }
 
 /* Rows of K: N M_i for the (Tripteron) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (10 add, 16 multiply) */
 static inline void krhpr_subleg_tripteron_project(
-    const krhpr_subleg_tripteron_geometry *g, const double N[6], double *KRHPR_RESTRICT K)
+    const krhpr_subleg_tripteron_geometry *g, int i, const double N[6], double *KRHPR_RESTRICT K)
 {
-    const double n_00 = g->e_x[0] * N[0] + g->e_x[1] * N[1] + g->e_x[2] * N[2];
-    const double n_01 = g->e_1[0] * N[0] + g->e_1[1] * N[1] + g->e_1[2] * N[2];
-    const double n_02 = g->e_t[0] * N[0] + g->e_t[1] * N[1];
-    const double n_10 = g->e_x[0] * N[3] + g->e_x[1] * N[4] + g->e_x[2] * N[5];
-    const double n_11 = g->e_1[0] * N[3] + g->e_1[1] * N[4] + g->e_1[2] * N[5];
-    const double n_12 = g->e_t[0] * N[3] + g->e_t[1] * N[4];
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2];
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
     K[0] = n_00;
     K[1] = n_01;
     K[2] = n_02;
@@ -225,24 +231,28 @@ static inline void krhpr_subleg_tripteron_project(
 
 /* Velocity of the end point of the (Tripteron) sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_velocity(
-    const krhpr_subleg_tripteron_geometry *g, const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_tripteron_geometry *g, int i, const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
-    s_dot[0] = g->e_1[0] * theta_dot[1] + g->e_t[0] * theta_dot[2] + g->e_x[0] * theta_dot[0];
-    s_dot[1] = g->e_1[1] * theta_dot[1] + g->e_t[1] * theta_dot[2] + g->e_x[1] * theta_dot[0];
-    s_dot[2] = g->e_1[2] * theta_dot[1] + g->e_x[2] * theta_dot[0];
+    const double s_dot_0 = g->e_1[0][i] * theta_dot[1] + g->e_t[0][i] * theta_dot[2] + g->e_x[0][i] * theta_dot[0];
+    const double s_dot_1 = g->e_1[1][i] * theta_dot[1] + g->e_t[1][i] * theta_dot[2] + g->e_x[1][i] * theta_dot[0];
+    s_dot[0] = s_dot_0;
+    s_dot[1] = s_dot_1;
+    s_dot[2] = g->e_1[2][i] * theta_dot[1] + g->e_x[2][i] * theta_dot[0];
 }
 
 /* Velocity of the end point of the (Tripteron) sub-leg and the part of its acceleration that does not
  * depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (5 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_bias(
-    const krhpr_subleg_tripteron_geometry *g, const double s[3], const double theta[3],
+    const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], const double theta[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
     (void)(s);
     (void)(theta);
-    s_dot[0] = g->e_1[0] * theta_dot[1] + g->e_t[0] * theta_dot[2] + g->e_x[0] * theta_dot[0];
-    s_dot[1] = g->e_1[1] * theta_dot[1] + g->e_t[1] * theta_dot[2] + g->e_x[1] * theta_dot[0];
-    s_dot[2] = g->e_1[2] * theta_dot[1] + g->e_x[2] * theta_dot[0];
+    const double s_dot_0 = g->e_1[0][i] * theta_dot[1] + g->e_t[0][i] * theta_dot[2] + g->e_x[0][i] * theta_dot[0];
+    const double s_dot_1 = g->e_1[1][i] * theta_dot[1] + g->e_t[1][i] * theta_dot[2] + g->e_x[1][i] * theta_dot[0];
+    s_dot[0] = s_dot_0;
+    s_dot[1] = s_dot_1;
+    s_dot[2] = g->e_1[2][i] * theta_dot[1] + g->e_x[2][i] * theta_dot[0];
     bias[0] = 0.0;
     bias[1] = 0.0;
     bias[2] = 0.0;
@@ -251,11 +261,11 @@ static inline void krhpr_subleg_tripteron_bias(
 /* Actuated joint rates of the (Tripteron) sub-leg from the velocity of its end point: B^-1 A s_dot.
  * Linear, so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply) */
 static inline void krhpr_subleg_tripteron_rates(
-    const krhpr_subleg_tripteron_geometry *g, const double s_dot[3], double *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_tripteron_geometry *g, int i, const double s_dot[3], double *KRHPR_RESTRICT theta_dot)
 {
-    const double v_l_0 = g->e_x[0] * s_dot[0] + g->e_x[1] * s_dot[1] + g->e_x[2] * s_dot[2];
-    const double v_l_1 = g->e_1[0] * s_dot[0] + g->e_1[1] * s_dot[1] + g->e_1[2] * s_dot[2];
-    const double v_l_2 = g->e_t[0] * s_dot[0] + g->e_t[1] * s_dot[1];
+    const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2];
+    const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
+    const double v_l_2 = g->e_t[0][i] * s_dot[0] + g->e_t[1][i] * s_dot[1];
     theta_dot[0] = v_l_0;
     theta_dot[1] = v_l_1;
     theta_dot[2] = v_l_2;
@@ -264,65 +274,66 @@ static inline void krhpr_subleg_tripteron_rates(
 /* det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis:
  * 1.4.  (11 add, 12 multiply) */
 static inline void krhpr_subleg_tripteron_determinant(
-    const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT det_M,
+    const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
 {
     const double t1 = rho[1] * rho[1];
     const double t2 = rho[2] * rho[2];
     const double t3 = rho[0] * rho[0];
-    const double t4 = g->k[1] - t3;
+    const double t4 = g->k[1][i] - t3;
     *det_M = 1.0;
-    factors[0] = 0.25 * (t1 + t2 - g->k[0]) * (g->k[1] - t1 - t2) * g->k[3];
-    factors[1] = g->k[3] * (0.25 * (t2 + t3 - g->k[0]) * (t4 - t2));
-    factors[2] = g->k[3] * (0.25 * (t1 + t3 - g->k[0]) * (t4 - t1));
+    factors[0] = 0.25 * (t1 + t2 - g->k[0][i]) * (g->k[1][i] - t1 - t2) * g->k[3][i];
+    factors[1] = g->k[3][i] * (0.25 * (t2 + t3 - g->k[0][i]) * (t4 - t2));
+    factors[2] = g->k[3][i] * (0.25 * (t1 + t3 - g->k[0][i]) * (t4 - t1));
 }
 
 /* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
  * square root, 4 select) */
 static inline void krhpr_subleg_tripteron_passive(
-    const krhpr_subleg_tripteron_geometry *g, const double rho[3], double *KRHPR_RESTRICT link,
+    const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT regularity, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
     const double t1 = rho[1] * rho[1];
     const double t2 = rho[2] * rho[2];
     const double d2_1 = t1 + t2;
-    const double t3 = d2_1 - g->k[0];
-    const double h2_1 = t3 * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
+    const double t3 = d2_1 - g->k[0][i];
+    const double h2_1 = t3 * (g->k[1][i] - d2_1); /* 4 a^2 b^2 sin^2 */
     const double S_1 = sqrt(h2_1); /* 2 a b sin */
-    const double C_1 = d2_1 - g->k[4] - g->k[5]; /* 2 a b cos */
-    const double A_1 = d2_1 + g->k[4] - g->k[5]; /* 2 a (a + b cos) */
+    const double C_1 = d2_1 - g->k[4][i] - g->k[5][i]; /* 2 a b cos */
+    const double A_1 = d2_1 + g->k[4][i] - g->k[5][i]; /* 2 a (a + b cos) */
     const double n_1 = rho[1] * A_1 + rho[2] * S_1;
     const double m_1 = rho[2] * A_1 - rho[1] * S_1;
     const double t4 = rho[0] * rho[0];
     const double d2_2 = t2 + t4;
-    const double t5 = d2_2 - g->k[0];
-    const double h2_2 = t5 * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double t5 = d2_2 - g->k[0][i];
+    const double h2_2 = t5 * (g->k[1][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double C_2 = d2_2 - g->k[4] - g->k[5]; /* 2 a b cos */
-    const double A_2 = g->k[4] + d2_2 - g->k[5]; /* 2 a (a + b cos) */
+    const double C_2 = d2_2 - g->k[4][i] - g->k[5][i]; /* 2 a b cos */
+    const double A_2 = g->k[4][i] + d2_2 - g->k[5][i]; /* 2 a (a + b cos) */
     const double n_2 = rho[2] * A_2 + rho[0] * S_2;
     const double m_2 = rho[0] * A_2 - rho[2] * S_2;
     const double d2_3 = t1 + t4;
-    const double t6 = d2_3 - g->k[0];
-    const double h2_3 = t6 * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
+    const double t6 = d2_3 - g->k[0][i];
+    const double h2_3 = t6 * (g->k[1][i] - d2_3); /* 4 a^2 b^2 sin^2 */
     const double S_3 = sqrt(h2_3); /* 2 a b sin */
-    const double C_3 = d2_3 - g->k[4] - g->k[5]; /* 2 a b cos */
-    const double A_3 = g->k[4] + d2_3 - g->k[5]; /* 2 a (a + b cos) */
+    const double C_3 = d2_3 - g->k[4][i] - g->k[5][i]; /* 2 a b cos */
+    const double A_3 = g->k[4][i] + d2_3 - g->k[5][i]; /* 2 a (a + b cos) */
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
-    const double t7 = g->k[1] - t4;
-    link[0] = g->e_x[0];
-    link[1] = g->e_1[0];
-    link[2] = g->e_t[0];
-    link[3] = g->e_x[1];
-    link[4] = g->e_1[1];
-    link[5] = g->e_t[1];
-    link[6] = g->e_x[2];
-    link[7] = g->e_1[2];
+    const double t7 = g->k[1][i] - t4;
+    const double radicand_a = krhpr_min(krhpr_min(t3 * (g->k[1][i] - t1 - t2), t5 * (t7 - t2)), t6 * (t7 - t1));
+    link[0] = g->e_x[0][i];
+    link[1] = g->e_1[0][i];
+    link[2] = g->e_t[0][i];
+    link[3] = g->e_x[1][i];
+    link[4] = g->e_1[1][i];
+    link[5] = g->e_t[1][i];
+    link[6] = g->e_x[2][i];
+    link[7] = g->e_1[2][i];
     link[8] = 0.0;
-    *radicand = krhpr_min(krhpr_min(t3 * (g->k[1] - t1 - t2), t5 * (t7 - t2)), t6 * (t7 - t1));
-    *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6], d2_2 * g->k[6]), d2_3 * g->k[6]);
+    *radicand = radicand_a;
+    *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6][i], d2_2 * g->k[6][i]), d2_3 * g->k[6][i]);
     tail_y[0] = m_1;
     tail_y[1] = S_1;
     tail_y[2] = m_2;
@@ -340,72 +351,72 @@ static inline void krhpr_subleg_tripteron_passive(
 /* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3 square root,
  * 4 select) */
 static inline void krhpr_subleg_tripteron_points(
-    const krhpr_subleg_tripteron_geometry *g, const double rho[3], const double s[3],
+    const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], const double s[3],
     double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT regularity)
 {
-    const double slider_1_0 = g->c[0] + g->e_x[0] * rho[0];
-    const double slider_1_1 = g->c[1] + g->e_x[1] * rho[0];
-    const double slider_1_2 = g->c[2] + g->e_x[2] * rho[0];
+    const double slider_1_0 = g->c[0][i] + g->e_x[0][i] * rho[0];
+    const double slider_1_1 = g->c[1][i] + g->e_x[1][i] * rho[0];
+    const double slider_1_2 = g->c[2][i] + g->e_x[2][i] * rho[0];
     const double t1 = rho[1] * rho[1];
     const double t2 = rho[2] * rho[2];
     const double d2_1 = t1 + t2;
-    const double t3 = d2_1 - g->k[0];
-    const double h2_1 = t3 * (g->k[1] - d2_1); /* 4 a^2 b^2 sin^2 */
+    const double t3 = d2_1 - g->k[0][i];
+    const double h2_1 = t3 * (g->k[1][i] - d2_1); /* 4 a^2 b^2 sin^2 */
     const double S_1 = sqrt(h2_1); /* 2 a b sin */
-    const double A_1 = d2_1 + g->k[4] - g->k[5]; /* 2 a (a + b cos) */
+    const double A_1 = d2_1 + g->k[4][i] - g->k[5][i]; /* 2 a (a + b cos) */
     const double n_1 = rho[1] * A_1 + rho[2] * S_1;
     const double m_1 = rho[2] * A_1 - rho[1] * S_1;
-    const double slider_2_0 = g->c[0] + g->e_1[0] * rho[1];
-    const double slider_2_1 = g->c[1] + g->e_1[1] * rho[1];
-    const double slider_2_2 = g->c[2] + g->e_1[2] * rho[1];
+    const double slider_2_0 = g->c[0][i] + g->e_1[0][i] * rho[1];
+    const double slider_2_1 = g->c[1][i] + g->e_1[1][i] * rho[1];
+    const double slider_2_2 = g->c[2][i] + g->e_1[2][i] * rho[1];
     const double t4 = rho[0] * rho[0];
     const double d2_2 = t2 + t4;
-    const double t5 = d2_2 - g->k[0];
-    const double h2_2 = t5 * (g->k[1] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double t5 = d2_2 - g->k[0][i];
+    const double h2_2 = t5 * (g->k[1][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = g->k[4] + d2_2 - g->k[5]; /* 2 a (a + b cos) */
+    const double A_2 = g->k[4][i] + d2_2 - g->k[5][i]; /* 2 a (a + b cos) */
     const double n_2 = rho[2] * A_2 + rho[0] * S_2;
     const double m_2 = rho[0] * A_2 - rho[2] * S_2;
-    const double slider_3_0 = g->c[0] + g->e_t[0] * rho[2];
-    const double slider_3_1 = g->c[1] + g->e_t[1] * rho[2];
+    const double slider_3_0 = g->c[0][i] + g->e_t[0][i] * rho[2];
+    const double slider_3_1 = g->c[1][i] + g->e_t[1][i] * rho[2];
     const double d2_3 = t1 + t4;
-    const double t6 = d2_3 - g->k[0];
-    const double h2_3 = t6 * (g->k[1] - d2_3); /* 4 a^2 b^2 sin^2 */
+    const double t6 = d2_3 - g->k[0][i];
+    const double h2_3 = t6 * (g->k[1][i] - d2_3); /* 4 a^2 b^2 sin^2 */
     const double S_3 = sqrt(h2_3); /* 2 a b sin */
-    const double A_3 = g->k[4] + d2_3 - g->k[5]; /* 2 a (a + b cos) */
+    const double A_3 = g->k[4][i] + d2_3 - g->k[5][i]; /* 2 a (a + b cos) */
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
     const double t7 = 1.0 / d2_1;
     const double t8 = 1.0 / d2_2;
     const double t9 = 1.0 / d2_3;
-    const double t10 = g->k[1] - t4;
-    const double radicand_a = krhpr_min(krhpr_min(t3 * (g->k[1] - t1 - t2), t5 * (t10 - t2)), t6 * (t10 - t1));
-    points[0] = g->c[0];
-    points[1] = g->c[1];
-    points[2] = g->c[2];
+    const double t10 = g->k[1][i] - t4;
+    const double radicand_a = krhpr_min(krhpr_min(t3 * (g->k[1][i] - t1 - t2), t5 * (t10 - t2)), t6 * (t10 - t1));
+    points[0] = g->c[0][i];
+    points[1] = g->c[1][i];
+    points[2] = g->c[2][i];
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = slider_1_0 + n_1 * g->k[7] * t7 + t7 * (m_1 * g->k[8]);
-    points[7] = slider_1_1 + t7 * (n_1 * g->k[9]) + t7 * (m_1 * g->k[10]);
-    points[8] = slider_1_2 + t7 * (n_1 * g->k[11]);
+    points[6] = slider_1_0 + n_1 * g->k[7][i] * t7 + t7 * (m_1 * g->k[8][i]);
+    points[7] = slider_1_1 + t7 * (n_1 * g->k[9][i]) + t7 * (m_1 * g->k[10][i]);
+    points[8] = slider_1_2 + t7 * (n_1 * g->k[11][i]);
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = slider_2_0 + n_2 * g->k[8] * t8 + t8 * (m_2 * g->k[12]);
-    points[13] = slider_2_1 + t8 * (n_2 * g->k[10]) + t8 * (m_2 * g->k[13]);
-    points[14] = slider_2_2 + t8 * (m_2 * g->k[14]);
+    points[12] = slider_2_0 + n_2 * g->k[8][i] * t8 + t8 * (m_2 * g->k[12][i]);
+    points[13] = slider_2_1 + t8 * (n_2 * g->k[10][i]) + t8 * (m_2 * g->k[13][i]);
+    points[14] = slider_2_2 + t8 * (m_2 * g->k[14][i]);
     points[15] = slider_3_0;
     points[16] = slider_3_1;
-    points[17] = g->c[2];
-    points[18] = slider_3_0 + m_3 * g->k[7] * t9 + t9 * (n_3 * g->k[12]);
-    points[19] = slider_3_1 + t9 * (m_3 * g->k[9]) + t9 * (n_3 * g->k[13]);
-    points[20] = g->c[2] + t9 * (m_3 * g->k[11]) + t9 * (n_3 * g->k[14]);
+    points[17] = g->c[2][i];
+    points[18] = slider_3_0 + m_3 * g->k[7][i] * t9 + t9 * (n_3 * g->k[12][i]);
+    points[19] = slider_3_1 + t9 * (m_3 * g->k[9][i]) + t9 * (n_3 * g->k[13][i]);
+    points[20] = g->c[2][i] + t9 * (m_3 * g->k[11][i]) + t9 * (n_3 * g->k[14][i]);
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];
     *radicand = radicand_a;
-    *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6], d2_2 * g->k[6]), d2_3 * g->k[6]);
+    *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6][i], d2_2 * g->k[6][i]), d2_3 * g->k[6][i]);
 }
 
 #endif

@@ -11,147 +11,147 @@
 #include "krhpr.h"
 #include "krhpr_elementary.h"
 
-/* Geometry of one leg.  Set the first group, then call krhpr_subleg_ups3_prepare, which computes the second. */
+/* Geometry of the legs.  Set the first group, then call krhpr_subleg_ups3_prepare, which computes the second. */
 typedef struct {
-    double azimuth; /* azimuth of the leg on the base (rad) */
-    double R_b; /* circumradius of the base (m) */
-    double alpha; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
-    double l_1; /* link i1, along the first axis (m) */
-    double r_g; /* radius of the circle of the centres g_k about c (m) */
-    double a_1; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
-    double a_2; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
-    double a_3; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
-    double c[3]; /* end of link i1 */
-    double e_x[3]; /* e_1 x e_t */
-    double e_1[3]; /* first axis */
-    double e_t[3]; /* tangential direction */
-    double g[9]; /* centres g_k, a row for each chain */
-    double k[11]; /* sub-expressions of the geometry alone, computed once */
+    double azimuth[KRHPR_PLACES]; /* azimuth of the leg on the base (rad) */
+    double R_b[KRHPR_PLACES]; /* circumradius of the base (m) */
+    double alpha[KRHPR_PLACES]; /* first axis, from the ray base joint -> O; more than pi/2 leans outwards (rad) */
+    double l_1[KRHPR_PLACES]; /* link i1, along the first axis (m) */
+    double r_g[KRHPR_PLACES]; /* radius of the circle of the centres g_k about c (m) */
+    double a_1[KRHPR_PLACES]; /* azimuth of g_1 about c, from the leg's radial direction (rad) */
+    double a_2[KRHPR_PLACES]; /* azimuth of g_2 about c, from the leg's radial direction (rad) */
+    double a_3[KRHPR_PLACES]; /* azimuth of g_3 about c, from the leg's radial direction (rad) */
+    double c[3][KRHPR_PLACES]; /* end of link i1 */
+    double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
+    double e_1[3][KRHPR_PLACES]; /* first axis */
+    double e_t[3][KRHPR_PLACES]; /* tangential direction */
+    double g[9][KRHPR_PLACES]; /* centres g_k, a row for each chain */
+    double k[11][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_ups3_geometry;
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (24 add, 50 multiply, 3 divide, 5 sine
  * cosine) */
-static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g)
+static inline void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g, int i)
 {
-    double e_r_1, e_t_1; krhpr_sincos(g->azimuth, &e_r_1, &e_t_1);
-    double e_1_2, t1; krhpr_sincos(g->alpha, &e_1_2, &t1);
+    double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
+    double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double t4 = g->R_b * e_t_1;
-    const double t5 = g->R_b * e_r_1;
-    const double c_2 = g->l_1 * e_1_2;
-    const double c_0 = t4 - t1 * (g->l_1 * e_t_1);
-    const double c_1 = t5 - t1 * (g->l_1 * e_r_1);
-    double t6, t7; krhpr_sincos(g->a_1, &t6, &t7);
+    const double t4 = g->R_b[i] * e_t_1;
+    const double t5 = g->R_b[i] * e_r_1;
+    const double c_2 = g->l_1[i] * e_1_2;
+    const double c_0 = t4 - t1 * (g->l_1[i] * e_t_1);
+    const double c_1 = t5 - t1 * (g->l_1[i] * e_r_1);
+    double t6, t7; krhpr_sincos(g->a_1[i], &t6, &t7);
     const double x_1_0 = e_t_1 * t7 - e_r_1 * t6;
     const double x_1_1 = e_r_1 * t7 + e_t_1 * t6;
-    double t8, t9; krhpr_sincos(g->a_2, &t8, &t9);
+    double t8, t9; krhpr_sincos(g->a_2[i], &t8, &t9);
     const double x_2_0 = e_t_1 * t9 - e_r_1 * t8;
     const double x_2_1 = e_r_1 * t9 + e_t_1 * t8;
-    double t10, t11; krhpr_sincos(g->a_3, &t10, &t11);
+    double t10, t11; krhpr_sincos(g->a_3[i], &t10, &t11);
     const double x_3_0 = e_t_1 * t11 - e_r_1 * t10;
     const double x_3_1 = e_r_1 * t11 + e_t_1 * t10;
-    const double g_00 = c_0 + g->r_g * x_1_0;
-    const double g_01 = c_1 + g->r_g * x_1_1;
-    const double g_10 = c_0 + g->r_g * x_2_0;
-    const double g_11 = c_1 + g->r_g * x_2_1;
-    const double g_20 = c_0 + g->r_g * x_3_0;
-    const double g_21 = c_1 + g->r_g * x_3_1;
+    const double g_00 = c_0 + g->r_g[i] * x_1_0;
+    const double g_01 = c_1 + g->r_g[i] * x_1_1;
+    const double g_10 = c_0 + g->r_g[i] * x_2_0;
+    const double g_11 = c_1 + g->r_g[i] * x_2_1;
+    const double g_20 = c_0 + g->r_g[i] * x_3_0;
+    const double g_21 = c_1 + g->r_g[i] * x_3_1;
     const double t12 = g_10 - g_00;
     const double t13 = g_11 - g_01;
     const double t14 = g_20 - g_00;
     const double t15 = g_21 - g_01;
     const double k_1 = t12 * t15 - t13 * t14;
-    g->c[0] = t4 - g->l_1 * t2;
-    g->c[1] = t5 - g->l_1 * t3;
-    g->c[2] = c_2;
-    g->e_x[0] = -e_t_1 * e_1_2;
-    g->e_x[1] = -e_r_1 * e_1_2;
-    g->e_x[2] = -(e_t_1 * t2 + e_r_1 * t3);
-    g->e_1[0] = -t2;
-    g->e_1[1] = -t3;
-    g->e_1[2] = e_1_2;
-    g->e_t[0] = -e_r_1;
-    g->e_t[1] = e_t_1;
-    g->e_t[2] = 0.0;
-    g->g[0] = g_00;
-    g->g[1] = g_01;
-    g->g[2] = c_2;
-    g->g[3] = g_10;
-    g->g[4] = g_11;
-    g->g[5] = c_2;
-    g->g[6] = g_20;
-    g->g[7] = g_21;
-    g->g[8] = c_2;
-    g->k[0] = 0.0;
-    g->k[1] = k_1;
-    g->k[2] = 0.5 * (t12 * t12) + 0.5 * (t13 * t13);
-    g->k[3] = 0.5 * (t14 * t14) + 0.5 * (t15 * t15);
-    g->k[4] = t15 * k_1;
-    g->k[5] = -t13 * k_1;
-    g->k[6] = 1.0 / (k_1 * k_1);
-    g->k[7] = -t14 * k_1;
-    g->k[8] = t12 * k_1;
-    g->k[9] = 1.0 / (g->r_g * (g->r_g * g->r_g));
-    g->k[10] = 1.0 / g->r_g;
+    g->c[0][i] = t4 - g->l_1[i] * t2;
+    g->c[1][i] = t5 - g->l_1[i] * t3;
+    g->c[2][i] = c_2;
+    g->e_x[0][i] = -e_t_1 * e_1_2;
+    g->e_x[1][i] = -e_r_1 * e_1_2;
+    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->e_1[0][i] = -t2;
+    g->e_1[1][i] = -t3;
+    g->e_1[2][i] = e_1_2;
+    g->e_t[0][i] = -e_r_1;
+    g->e_t[1][i] = e_t_1;
+    g->e_t[2][i] = 0.0;
+    g->g[0][i] = g_00;
+    g->g[1][i] = g_01;
+    g->g[2][i] = c_2;
+    g->g[3][i] = g_10;
+    g->g[4][i] = g_11;
+    g->g[5][i] = c_2;
+    g->g[6][i] = g_20;
+    g->g[7][i] = g_21;
+    g->g[8][i] = c_2;
+    g->k[0][i] = 0.0;
+    g->k[1][i] = k_1;
+    g->k[2][i] = 0.5 * (t12 * t12) + 0.5 * (t13 * t13);
+    g->k[3][i] = 0.5 * (t14 * t14) + 0.5 * (t15 * t15);
+    g->k[4][i] = t15 * k_1;
+    g->k[5][i] = -t13 * k_1;
+    g->k[6][i] = 1.0 / (k_1 * k_1);
+    g->k[7][i] = -t14 * k_1;
+    g->k[8][i] = t12 * k_1;
+    g->k[9][i] = 1.0 / (g->r_g[i] * (g->r_g[i] * g->r_g[i]));
+    g->k[10][i] = 1.0 / g->r_g[i];
 }
 
 /* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply, 1 divide,
  * 1 square root, 1 select) */
 static inline void krhpr_subleg_ups3_forward(
-    const krhpr_subleg_ups3_geometry *g, const double theta[3], const double s_near[3],
+    const krhpr_subleg_ups3_geometry *g, int i, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
     const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1] * theta[1]);
-    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2] * theta[2]);
-    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6]; /* in the plane of the centres */
-    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
-    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
-    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
-    const double side = g->k[0] * (s_near[0] - g->g[0]) + g->k[0] * (s_near[1] - g->g[1]) + g->k[1] * (s_near[2] - g->g[2]);
+    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1] * theta[1]);
+    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2] * theta[2]);
+    const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i]; /* in the plane of the centres */
+    const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
+    const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
+    const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double side = g->k[0][i] * (s_near[0] - g->g[0][i]) + g->k[0][i] * (s_near[1] - g->g[1][i]) + g->k[1][i] * (s_near[2] - g->g[2][i]);
     const double t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
     const double height = t3 * sqrt(h2) / fabs(t3);
-    const double t4 = g->k[0] * height;
-    s[0] = g->g[0] + foot_0 + t4;
-    s[1] = t4 + (g->g[1] + foot_1);
-    s[2] = g->g[2] + foot_2 + g->k[1] * height;
+    const double t4 = g->k[0][i] * height;
+    s[0] = g->g[0][i] + foot_0 + t4;
+    s[1] = t4 + (g->g[1][i] + foot_1);
+    s[2] = g->g[2][i] + foot_2 + g->k[1][i] * height;
     *radicand = h2;
 }
 
 /* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 25
  * multiply, 1 divide, 1 square root, 1 select) */
 static inline void krhpr_subleg_ups3_forward_posture(
-    const krhpr_subleg_ups3_geometry *g, const double theta[3], const double s_near[3],
+    const krhpr_subleg_ups3_geometry *g, int i, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
     const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1] * theta[1]);
-    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2] * theta[2]);
-    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6]; /* in the plane of the centres */
-    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
-    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
-    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
-    const double side = g->k[0] * (s_near[0] - g->g[0]) + g->k[0] * (s_near[1] - g->g[1]) + g->k[1] * (s_near[2] - g->g[2]);
+    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1] * theta[1]);
+    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2] * theta[2]);
+    const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i]; /* in the plane of the centres */
+    const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
+    const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
+    const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double side = g->k[0][i] * (s_near[0] - g->g[0][i]) + g->k[0][i] * (s_near[1] - g->g[1][i]) + g->k[1][i] * (s_near[2] - g->g[2][i]);
     const double t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
     const double height = t3 * sqrt(h2) / fabs(t3);
-    const double t4 = g->k[0] * height;
-    const double s_0 = g->g[0] + foot_0 + t4;
-    const double s_1 = t4 + (g->g[1] + foot_1);
-    const double s_2 = g->g[2] + foot_2 + g->k[1] * height;
-    const double w_1_0 = s_0 - g->g[0]; /* strut 1 */
-    const double w_1_1 = s_1 - g->g[1];
-    const double w_1_2 = s_2 - g->g[2];
-    const double w_2_0 = s_0 - g->g[3]; /* strut 2 */
-    const double w_2_1 = s_1 - g->g[4];
-    const double w_2_2 = s_2 - g->g[5];
-    const double w_3_0 = s_0 - g->g[6]; /* strut 3 */
-    const double w_3_1 = s_1 - g->g[7];
-    const double w_3_2 = s_2 - g->g[8];
+    const double t4 = g->k[0][i] * height;
+    const double s_0 = g->g[0][i] + foot_0 + t4;
+    const double s_1 = t4 + (g->g[1][i] + foot_1);
+    const double s_2 = g->g[2][i] + foot_2 + g->k[1][i] * height;
+    const double w_1_0 = s_0 - g->g[0][i]; /* strut 1 */
+    const double w_1_1 = s_1 - g->g[1][i];
+    const double w_1_2 = s_2 - g->g[2][i];
+    const double w_2_0 = s_0 - g->g[3][i]; /* strut 2 */
+    const double w_2_1 = s_1 - g->g[4][i];
+    const double w_2_2 = s_2 - g->g[5][i];
+    const double w_3_0 = s_0 - g->g[6][i]; /* strut 3 */
+    const double w_3_1 = s_1 - g->g[7][i];
+    const double w_3_2 = s_2 - g->g[8][i];
     s[0] = s_0;
     s[1] = s_1;
     s[2] = s_2;
@@ -173,23 +173,23 @@ static inline void krhpr_subleg_ups3_forward_posture(
 /* End points of the (3-UPS) sub-leg in every assembly mode: first the one on the side of the normal; NaN
  * where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root) */
 static inline void krhpr_subleg_ups3_forward_all(
-    const krhpr_subleg_ups3_geometry *g, const double theta[3], double *KRHPR_RESTRICT s,
+    const krhpr_subleg_ups3_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
     const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1] * theta[1]);
-    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2] * theta[2]);
-    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6]; /* in the plane of the centres */
-    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
-    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
-    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1] * theta[1]);
+    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2] * theta[2]);
+    const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i]; /* in the plane of the centres */
+    const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
+    const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
+    const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double height = sqrt(h2);
-    const double t3 = g->g[0] + foot_0;
-    const double t4 = g->k[0] * height;
-    const double t5 = g->g[1] + foot_1;
-    const double t6 = g->g[2] + foot_2;
-    const double t7 = g->k[1] * height;
+    const double t3 = g->g[0][i] + foot_0;
+    const double t4 = g->k[0][i] * height;
+    const double t5 = g->g[1][i] + foot_1;
+    const double t6 = g->g[2][i] + foot_2;
+    const double t7 = g->k[1][i] * height;
     s[0] = t3 + t4;
     s[1] = t4 + t5;
     s[2] = t6 + t7;
@@ -202,18 +202,18 @@ static inline void krhpr_subleg_ups3_forward_all(
 /* Actuated joints of the (3-UPS) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root) */
 static inline void krhpr_subleg_ups3_inverse(
-    const krhpr_subleg_ups3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_ups3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double w_1_0 = s[0] - g->g[0]; /* strut 1 */
-    const double w_1_1 = s[1] - g->g[1];
-    const double w_1_2 = s[2] - g->g[2];
-    const double w_2_0 = s[0] - g->g[3]; /* strut 2 */
-    const double w_2_1 = s[1] - g->g[4];
-    const double w_2_2 = s[2] - g->g[5];
-    const double w_3_0 = s[0] - g->g[6]; /* strut 3 */
-    const double w_3_1 = s[1] - g->g[7];
-    const double w_3_2 = s[2] - g->g[8];
+    const double w_1_0 = s[0] - g->g[0][i]; /* strut 1 */
+    const double w_1_1 = s[1] - g->g[1][i];
+    const double w_1_2 = s[2] - g->g[2][i];
+    const double w_2_0 = s[0] - g->g[3][i]; /* strut 2 */
+    const double w_2_1 = s[1] - g->g[4][i];
+    const double w_2_2 = s[2] - g->g[5][i];
+    const double w_3_0 = s[0] - g->g[6][i]; /* strut 3 */
+    const double w_3_1 = s[1] - g->g[7][i];
+    const double w_3_2 = s[2] - g->g[8][i];
     theta[0] = sqrt(w_1_0 * w_1_0 + w_1_1 * w_1_1 + w_1_2 * w_1_2);
     theta[1] = sqrt(w_2_0 * w_2_0 + w_2_1 * w_2_1 + w_2_2 * w_2_2);
     theta[2] = sqrt(w_3_0 * w_3_0 + w_3_1 * w_3_1 + w_3_2 * w_3_2);
@@ -223,18 +223,18 @@ static inline void krhpr_subleg_ups3_inverse(
 /* Every working mode of the (3-UPS) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.4.  (15 add, 9 multiply, 3 square root) */
 static inline void krhpr_subleg_ups3_inverse_all(
-    const krhpr_subleg_ups3_geometry *g, const double s[3], double *KRHPR_RESTRICT theta,
+    const krhpr_subleg_ups3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
-    const double w_1_0 = s[0] - g->g[0]; /* strut 1 */
-    const double w_1_1 = s[1] - g->g[1];
-    const double w_1_2 = s[2] - g->g[2];
-    const double w_2_0 = s[0] - g->g[3]; /* strut 2 */
-    const double w_2_1 = s[1] - g->g[4];
-    const double w_2_2 = s[2] - g->g[5];
-    const double w_3_0 = s[0] - g->g[6]; /* strut 3 */
-    const double w_3_1 = s[1] - g->g[7];
-    const double w_3_2 = s[2] - g->g[8];
+    const double w_1_0 = s[0] - g->g[0][i]; /* strut 1 */
+    const double w_1_1 = s[1] - g->g[1][i];
+    const double w_1_2 = s[2] - g->g[2][i];
+    const double w_2_0 = s[0] - g->g[3][i]; /* strut 2 */
+    const double w_2_1 = s[1] - g->g[4][i];
+    const double w_2_2 = s[2] - g->g[5][i];
+    const double w_3_0 = s[0] - g->g[6][i]; /* strut 3 */
+    const double w_3_1 = s[1] - g->g[7][i];
+    const double w_3_2 = s[2] - g->g[8][i];
     theta[0] = sqrt(w_1_0 * w_1_0 + w_1_1 * w_1_1 + w_1_2 * w_1_2);
     theta[1] = sqrt(w_2_0 * w_2_0 + w_2_1 * w_2_1 + w_2_2 * w_2_2);
     theta[2] = sqrt(w_3_0 * w_3_0 + w_3_1 * w_3_1 + w_3_2 * w_3_2);
@@ -242,26 +242,28 @@ static inline void krhpr_subleg_ups3_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the (3-UPS) sub-leg.  (no operations) */
-static inline void krhpr_subleg_ups3_reach(const krhpr_subleg_ups3_geometry *g, double *KRHPR_RESTRICT excess)
+static inline void krhpr_subleg_ups3_reach(
+    const krhpr_subleg_ups3_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     *excess = 0.0;
 }
 
 /* Posture of the (3-UPS) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add) */
 static inline void krhpr_subleg_ups3_posture(
-    const krhpr_subleg_ups3_geometry *g, const double s[3], const double theta[3], double *KRHPR_RESTRICT w,
-    double *KRHPR_RESTRICT b)
+    const krhpr_subleg_ups3_geometry *g, int i, const double s[3], const double theta[3],
+    double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b)
 {
-    const double w_1_0 = s[0] - g->g[0]; /* strut 1 */
-    const double w_1_1 = s[1] - g->g[1];
-    const double w_1_2 = s[2] - g->g[2];
-    const double w_2_0 = s[0] - g->g[3]; /* strut 2 */
-    const double w_2_1 = s[1] - g->g[4];
-    const double w_2_2 = s[2] - g->g[5];
-    const double w_3_0 = s[0] - g->g[6]; /* strut 3 */
-    const double w_3_1 = s[1] - g->g[7];
-    const double w_3_2 = s[2] - g->g[8];
+    const double w_1_0 = s[0] - g->g[0][i]; /* strut 1 */
+    const double w_1_1 = s[1] - g->g[1][i];
+    const double w_1_2 = s[2] - g->g[2][i];
+    const double w_2_0 = s[0] - g->g[3][i]; /* strut 2 */
+    const double w_2_1 = s[1] - g->g[4][i];
+    const double w_2_2 = s[2] - g->g[5][i];
+    const double w_3_0 = s[0] - g->g[6][i]; /* strut 3 */
+    const double w_3_1 = s[1] - g->g[7][i];
+    const double w_3_2 = s[2] - g->g[8][i];
     w[0] = w_1_0;
     w[1] = w_1_1;
     w[2] = w_1_2;
@@ -279,8 +281,8 @@ static inline void krhpr_subleg_ups3_posture(
 /* Jacobian M_i of the (3-UPS) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
 static inline void krhpr_subleg_ups3_jacobian(
-    const krhpr_subleg_ups3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT M,
-    double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_ups3_geometry *g, int i, const double w[9], const double b[3],
+    double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
     const double t2 = w[5] * w[6] - w[3] * w[8];
@@ -305,13 +307,13 @@ static inline void krhpr_subleg_ups3_jacobian(
     M[6] = m_20;
     M[7] = m_21;
     M[8] = m_22;
-    *regularity = fabs(volume * g->k[9]);
+    *regularity = fabs(volume * g->k[9][i]);
 }
 
 /* Rows of K: N M_i for the (3-UPS) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 static inline void krhpr_subleg_ups3_project(
-    const krhpr_subleg_ups3_geometry *g, const double w[9], const double b[3], const double N[6],
+    const krhpr_subleg_ups3_geometry *g, int i, const double w[9], const double b[3], const double N[6],
     double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
@@ -334,14 +336,14 @@ static inline void krhpr_subleg_ups3_project(
     K[3] = N[3] * m_00 + N[4] * m_10 + N[5] * m_20;
     K[4] = N[3] * m_01 + N[4] * m_11 + N[5] * m_21;
     K[5] = N[3] * m_02 + N[4] * m_12 + N[5] * m_22;
-    *regularity = fabs(volume * g->k[9]);
+    *regularity = fabs(volume * g->k[9][i]);
 }
 
 /* Velocity of the end point of the (3-UPS) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 static inline void krhpr_subleg_ups3_velocity(
-    const krhpr_subleg_ups3_geometry *g, const double w[9], const double b[3], const double theta_dot[3],
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_ups3_geometry *g, int i, const double w[9], const double b[3],
+    const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
     const double t1 = w[4] * w[8] - w[5] * w[7];
     const double t2 = w[5] * w[6] - w[3] * w[8];
@@ -360,25 +362,26 @@ static inline void krhpr_subleg_ups3_velocity(
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     s_dot[2] = v_l_2;
-    *regularity = fabs(volume * g->k[9]);
+    *regularity = fabs(volume * g->k[9][i]);
 }
 
 /* Velocity of the end point of the (3-UPS) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (76 add, 88 multiply, 1 divide, 1
  * select) */
 static inline void krhpr_subleg_ups3_bias(
-    const krhpr_subleg_ups3_geometry *g, const double s[3], const double theta[3], const double theta_dot[3],
-    double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias, double *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_ups3_geometry *g, int i, const double s[3], const double theta[3],
+    const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
+    double *KRHPR_RESTRICT regularity)
 {
-    const double w_1_0 = s[0] - g->g[0]; /* strut 1 */
-    const double w_1_1 = s[1] - g->g[1];
-    const double w_1_2 = s[2] - g->g[2];
-    const double w_2_0 = s[0] - g->g[3]; /* strut 2 */
-    const double w_2_1 = s[1] - g->g[4];
-    const double w_2_2 = s[2] - g->g[5];
-    const double w_3_0 = s[0] - g->g[6]; /* strut 3 */
-    const double w_3_1 = s[1] - g->g[7];
-    const double w_3_2 = s[2] - g->g[8];
+    const double w_1_0 = s[0] - g->g[0][i]; /* strut 1 */
+    const double w_1_1 = s[1] - g->g[1][i];
+    const double w_1_2 = s[2] - g->g[2][i];
+    const double w_2_0 = s[0] - g->g[3][i]; /* strut 2 */
+    const double w_2_1 = s[1] - g->g[4][i];
+    const double w_2_2 = s[2] - g->g[5][i];
+    const double w_3_0 = s[0] - g->g[6][i]; /* strut 3 */
+    const double w_3_1 = s[1] - g->g[7][i];
+    const double w_3_2 = s[2] - g->g[8][i];
     const double t1 = w_2_1 * w_3_2 - w_2_2 * w_3_1;
     const double t2 = w_2_2 * w_3_0 - w_2_0 * w_3_2;
     const double t3 = w_2_0 * w_3_1 - w_2_1 * w_3_0;
@@ -430,19 +433,19 @@ static inline void krhpr_subleg_ups3_bias(
     bias[0] = t9 * (t35 - s_dot_0 * t29);
     bias[1] = t9 * (t38 - s_dot_1 * t29);
     bias[2] = t9 * (t41 - s_dot_2 * t29);
-    *regularity = fabs(volume * g->k[9]);
+    *regularity = fabs(volume * g->k[9][i]);
 }
 
 /* Actuated joint rates of the (3-UPS) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 static inline void krhpr_subleg_ups3_rates(
-    const krhpr_subleg_ups3_geometry *g, const double w[9], const double b[3], const double s_dot[3],
+    const krhpr_subleg_ups3_geometry *g, int i, const double w[9], const double b[3], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
     const double w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
     const double w_1 = w[3] * s_dot[0] + w[4] * s_dot[1] + w[5] * s_dot[2];
     const double w_2 = w[6] * s_dot[0] + w[7] * s_dot[1] + w[8] * s_dot[2];
-    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[10]), fabs(b[1] * g->k[10])), fabs(b[2] * g->k[10]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[10][i]), fabs(b[1] * g->k[10][i])), fabs(b[2] * g->k[10][i]));
     theta_dot[0] = w_0 / b[0];
     theta_dot[1] = w_1 / b[1];
     theta_dot[2] = w_2 / b[2];
@@ -452,43 +455,43 @@ static inline void krhpr_subleg_ups3_rates(
 /* det M_i of the (3-UPS) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 static inline void krhpr_subleg_ups3_determinant(
-    const krhpr_subleg_ups3_geometry *g, const double w[9], const double b[3], double *KRHPR_RESTRICT det_M,
-    double *KRHPR_RESTRICT factors)
+    const krhpr_subleg_ups3_geometry *g, int i, const double w[9], const double b[3],
+    double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double volume = w[0] * (w[4] * w[8] - w[5] * w[7]) + w[1] * (w[5] * w[6] - w[3] * w[8]) + w[2] * (w[3] * w[7] - w[4] * w[6]);
     *det_M = b[2] * (b[0] * b[1]) / volume;
-    factors[0] = b[0] * g->k[10];
-    factors[1] = b[1] * g->k[10];
-    factors[2] = b[2] * g->k[10];
-    factors[3] = volume * g->k[9];
+    factors[0] = b[0] * g->k[10][i];
+    factors[1] = b[1] * g->k[10][i];
+    factors[2] = b[2] * g->k[10][i];
+    factors[3] = volume * g->k[9][i];
 }
 
 /* Passive joints of the (3-UPS) sub-leg and the orientation of its last link.  (28 add, 54 multiply, 2
  * divide, 5 square root) */
 static inline void krhpr_subleg_ups3_passive(
-    const krhpr_subleg_ups3_geometry *g, const double w[9], double *KRHPR_RESTRICT link,
+    const krhpr_subleg_ups3_geometry *g, int i, const double w[9], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double strut_1_0 = g->e_x[0] * w[0] + g->e_x[1] * w[1] + g->e_x[2] * w[2];
-    const double strut_1_1 = g->e_1[0] * w[0] + g->e_1[1] * w[1] + g->e_1[2] * w[2];
-    const double strut_1_2 = g->e_t[0] * w[0] + g->e_t[1] * w[1];
+    const double strut_1_0 = g->e_x[0][i] * w[0] + g->e_x[1][i] * w[1] + g->e_x[2][i] * w[2];
+    const double strut_1_1 = g->e_1[0][i] * w[0] + g->e_1[1][i] * w[1] + g->e_1[2][i] * w[2];
+    const double strut_1_2 = g->e_t[0][i] * w[0] + g->e_t[1][i] * w[1];
     const double strut_1_n = sqrt(strut_1_1 * strut_1_1 + strut_1_2 * strut_1_2);
-    const double strut_2_0 = g->e_x[0] * w[3] + g->e_x[1] * w[4] + g->e_x[2] * w[5];
-    const double strut_2_1 = g->e_1[0] * w[3] + g->e_1[1] * w[4] + g->e_1[2] * w[5];
-    const double strut_2_2 = g->e_t[0] * w[3] + g->e_t[1] * w[4];
+    const double strut_2_0 = g->e_x[0][i] * w[3] + g->e_x[1][i] * w[4] + g->e_x[2][i] * w[5];
+    const double strut_2_1 = g->e_1[0][i] * w[3] + g->e_1[1][i] * w[4] + g->e_1[2][i] * w[5];
+    const double strut_2_2 = g->e_t[0][i] * w[3] + g->e_t[1][i] * w[4];
     const double strut_2_n = sqrt(strut_2_1 * strut_2_1 + strut_2_2 * strut_2_2);
-    const double strut_3_0 = g->e_x[0] * w[6] + g->e_x[1] * w[7] + g->e_x[2] * w[8];
-    const double strut_3_1 = g->e_1[0] * w[6] + g->e_1[1] * w[7] + g->e_1[2] * w[8];
-    const double strut_3_2 = g->e_t[0] * w[6] + g->e_t[1] * w[7];
+    const double strut_3_0 = g->e_x[0][i] * w[6] + g->e_x[1][i] * w[7] + g->e_x[2][i] * w[8];
+    const double strut_3_1 = g->e_1[0][i] * w[6] + g->e_1[1][i] * w[7] + g->e_1[2][i] * w[8];
+    const double strut_3_2 = g->e_t[0][i] * w[6] + g->e_t[1][i] * w[7];
     const double strut_3_n = sqrt(strut_3_1 * strut_3_1 + strut_3_2 * strut_3_2);
     const double rho = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     const double t1 = 1.0 / rho;
     const double along_0 = w[0] * t1;
     const double along_1 = w[1] * t1;
     const double along_2 = w[2] * t1;
-    const double normal_0 = g->e_x[1] * along_2 - g->e_x[2] * along_1;
-    const double normal_1 = g->e_x[2] * along_0 - g->e_x[0] * along_2;
-    const double normal_2 = g->e_x[0] * along_1 - g->e_x[1] * along_0;
+    const double normal_0 = g->e_x[1][i] * along_2 - g->e_x[2][i] * along_1;
+    const double normal_1 = g->e_x[2][i] * along_0 - g->e_x[0][i] * along_2;
+    const double normal_2 = g->e_x[0][i] * along_1 - g->e_x[1][i] * along_0;
     const double size = sqrt(normal_0 * normal_0 + normal_1 * normal_1 + normal_2 * normal_2);
     const double t2 = 1.0 / size;
     const double across_0 = normal_0 * t2;
@@ -519,17 +522,17 @@ static inline void krhpr_subleg_ups3_passive(
 
 /* Joints of the (3-UPS) sub-leg, from the base to S_i.  (no operations) */
 static inline void krhpr_subleg_ups3_points(
-    const krhpr_subleg_ups3_geometry *g, const double s[3], double *KRHPR_RESTRICT points)
+    const krhpr_subleg_ups3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT points)
 {
-    points[0] = g->g[0];
-    points[1] = g->g[1];
-    points[2] = g->g[2];
-    points[3] = g->g[3];
-    points[4] = g->g[4];
-    points[5] = g->g[5];
-    points[6] = g->g[6];
-    points[7] = g->g[7];
-    points[8] = g->g[8];
+    points[0] = g->g[0][i];
+    points[1] = g->g[1][i];
+    points[2] = g->g[2][i];
+    points[3] = g->g[3][i];
+    points[4] = g->g[4][i];
+    points[5] = g->g[5][i];
+    points[6] = g->g[6][i];
+    points[7] = g->g[7][i];
+    points[8] = g->g[8][i];
     points[9] = s[0];
     points[10] = s[1];
     points[11] = s[2];

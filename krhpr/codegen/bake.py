@@ -47,7 +47,7 @@ def baked_geometry(robot: RobotCode, name: str, geometry: Mapping[str, Sequence[
     them.
     """
     members = [
-        f"    .{member} = {{\n" + ",\n".join(_c_leg(robot.parts[member], leg) for leg in legs) + "\n    }"
+        f"    .{member} = {{\n{_c_member(robot.parts[member], legs)}\n    }}"
         for member, legs in baked_values(robot, geometry).items()
     ]
     return f"static const krhpr_{robot.identifier}_geometry {name} = {{\n" + ",\n".join(members) + "\n};\n"
@@ -77,9 +77,12 @@ def _prepared(part: Part, sizes: Mapping[str, Sequence[float]], leg: int) -> Val
     return {name: [float(number) for number in numbers] for name, numbers in prepared.items()}
 
 
-def _c_leg(part: Part, values: Values) -> str:
-    single, texts = scalars(part), []
-    for name, numbers in values.items():
-        digits = ", ".join(map(repr, numbers))
-        texts.append(f".{name} = {digits}" if name in single else f".{name} = {{{digits}}}")
-    return "        { " + ", ".join(texts) + " }"
+def _c_member(part: Part, legs: Sequence[Values]) -> str:
+    """The members of a part's structure: each number of all legs, the third twice, in braces."""
+    texts = []
+    for name in legs[0]:
+        places = [leg[name] for leg in (*legs, legs[-1])]
+        rows = [f"{{{', '.join(map(repr, row))}}}" for row in zip(*places, strict=True)]
+        value = rows[0] if name in scalars(part) else f"{{{', '.join(rows)}}}"
+        texts.append(f"        .{name} = {value}")
+    return ",\n".join(texts)

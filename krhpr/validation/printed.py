@@ -207,7 +207,7 @@ def c_kernel(
         port.name: inputs[port.name] if port.shape else inputs[port.name][0] for port in kernel.inputs
     }
     if kernel.geometry is not None:
-        values["g"] = getattr(c_geometry(subject, geometry, program), key)[0]
+        values |= {"g": getattr(c_geometry(subject, geometry, program), key), "i": 0}
     if phases.angles is not None:
         angles = Array.unset(phases.angles.outputs[0].size, "angle")
         names = program.parameters(f"{symbol}_angles")

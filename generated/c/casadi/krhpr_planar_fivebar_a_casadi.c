@@ -81,14 +81,24 @@
 #else
 static const krhpr_planar_fivebar_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_0 = 0.08, .l_2 = 0.12, .l_3 = 0.165, .l_4 = 0.12, .l_6 = 0.17, .o = {-0.23650635094610964, -0.0903589838486225}, .o_12 = {0.040000000000000015, -0.06928203230275509}, .k = {0.027225000000000003, 0.028900000000000006, 0.002500000000000002, 0.08410000000000001, 0.0144, 0.002025000000000001, 0.081225, 0.0144, 0.04500000000000001, 0.05000000000000002, 35.650623885918, 49.01960784313725, 50.505050505050505, 5.88235294117647, -0.19650635094610963, -0.15964101615137757} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_0 = 0.08, .l_2 = 0.12, .l_3 = 0.165, .l_4 = 0.12, .l_6 = 0.17, .o = {0.19650635094610958, -0.15964101615137766}, .o_12 = {0.040000000000000036, 0.06928203230275508}, .k = {0.027225000000000003, 0.028900000000000006, 0.002500000000000002, 0.08410000000000001, 0.0144, 0.002025000000000001, 0.081225, 0.0144, 0.04500000000000001, 0.05000000000000002, 35.650623885918, 49.01960784313725, 50.505050505050505, 5.88235294117647, 0.2365063509461096, -0.09035898384862258} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_0 = 0.08, .l_2 = 0.12, .l_3 = 0.165, .l_4 = 0.12, .l_6 = 0.17, .o = {0.040000000000000015, 0.25}, .o_12 = {-0.08, 4.898587196589413e-18}, .k = {0.027225000000000003, 0.028900000000000006, 0.002500000000000002, 0.08410000000000001, 0.0144, 0.002025000000000001, 0.081225, 0.0144, 0.04500000000000001, 0.05000000000000002, 35.650623885918, 49.01960784313725, 50.505050505050505, 5.88235294117647, -0.03999999999999999, 0.25} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .l_0 = {0.08, 0.08, 0.08, 0.08},
+        .l_2 = {0.12, 0.12, 0.12, 0.12},
+        .l_3 = {0.165, 0.165, 0.165, 0.165},
+        .l_4 = {0.12, 0.12, 0.12, 0.12},
+        .l_6 = {0.17, 0.17, 0.17, 0.17},
+        .o = {{-0.23650635094610964, 0.19650635094610958, 0.040000000000000015, 0.040000000000000015}, {-0.0903589838486225, -0.15964101615137766, 0.25, 0.25}},
+        .o_12 = {{0.040000000000000015, 0.040000000000000036, -0.08, -0.08}, {-0.06928203230275509, 0.06928203230275508, 4.898587196589413e-18, 4.898587196589413e-18}},
+        .k = {{0.027225000000000003, 0.027225000000000003, 0.027225000000000003, 0.027225000000000003}, {0.028900000000000006, 0.028900000000000006, 0.028900000000000006, 0.028900000000000006}, {0.002500000000000002, 0.002500000000000002, 0.002500000000000002, 0.002500000000000002}, {0.08410000000000001, 0.08410000000000001, 0.08410000000000001, 0.08410000000000001}, {0.0144, 0.0144, 0.0144, 0.0144}, {0.002025000000000001, 0.002025000000000001, 0.002025000000000001, 0.002025000000000001}, {0.081225, 0.081225, 0.081225, 0.081225}, {0.0144, 0.0144, 0.0144, 0.0144}, {0.04500000000000001, 0.04500000000000001, 0.04500000000000001, 0.04500000000000001}, {0.05000000000000002, 0.05000000000000002, 0.05000000000000002, 0.05000000000000002}, {35.650623885918, 35.650623885918, 35.650623885918, 35.650623885918}, {49.01960784313725, 49.01960784313725, 49.01960784313725, 49.01960784313725}, {50.505050505050505, 50.505050505050505, 50.505050505050505, 50.505050505050505}, {5.88235294117647, 5.88235294117647, 5.88235294117647, 5.88235294117647}, {-0.19650635094610963, 0.2365063509461096, -0.03999999999999999, -0.03999999999999999}, {-0.15964101615137757, -0.09035898384862258, 0.25, 0.25}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0, -0.04330127018922193, -0.02500000000000001} },
-        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0, 0.04330127018922192, -0.025000000000000022} },
-        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0, 3.061616997868383e-18, 0.05} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .b = {{-0.10825317547305482, 0.1082531754730548, 7.654042494670958e-18, 7.654042494670958e-18}, {-0.06250000000000001, -0.06250000000000006, 0.125, 0.125}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}}
     }
 };
 
@@ -194,7 +204,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -234,7 +244,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_a_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -274,7 +284,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_fivebar_forward_tangent(
-            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
+            &geometry.subleg, i, theta + 2 * i, assembly + i, s + 2 * i, radicand);
     }
 }
 
@@ -311,7 +321,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_fivebar_forward_all_tangent(
-            &geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+            &geometry.subleg, i, theta + 2 * i, s + 4 * i, radicand);
     }
 }
 
@@ -347,7 +357,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_fivebar_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 8 * i);
+        krhpr_subleg_planar_fivebar_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 8 * i);
     }
 }
 
@@ -388,8 +398,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_jacobian_tangent(&geometry.subleg[i], d, u_1, u_2, M + 4 * i);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_jacobian_tangent(&geometry.subleg, i, d, u_1, u_2, M + 4 * i);
     }
 }
 
@@ -430,7 +440,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -476,10 +486,10 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_project_tangent(&geometry.subleg[i], d, u_1, u_2, N, K + 2 * i);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_project_tangent(&geometry.subleg, i, d, u_1, u_2, N, K + 2 * i);
     }
 }
 
@@ -527,10 +537,10 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_project_tangent(&geometry.subleg[i], d, u_1, u_2, N, K + 2 * i);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_project_tangent(&geometry.subleg, i, d, u_1, u_2, N, K + 2 * i);
     }
 }
 
@@ -578,8 +588,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_fivebar_inverse_tangent(&geometry.subleg[i], s, mode + 2 * i, theta + 2 * i);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_fivebar_inverse_tangent(&geometry.subleg, i, s, mode + 2 * i, theta + 2 * i);
     }
 }
 
@@ -621,8 +631,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_fivebar_inverse_all_tangent(&geometry.subleg[i], s, theta + 8 * i);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_fivebar_inverse_all_tangent(&geometry.subleg, i, s, theta + 8 * i);
     }
 }
 
@@ -699,11 +709,11 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_velocity_tangent(
-            &geometry.subleg[i], d, u_1, u_2, theta_dot + 2 * i, s_dot);
+            &geometry.subleg, i, d, u_1, u_2, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -755,10 +765,10 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_platform_planar_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_rates_tangent(&geometry.subleg[i], d, u_1, u_2, s_dot, theta_dot + 2 * i);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_rates_tangent(&geometry.subleg, i, d, u_1, u_2, s_dot, theta_dot + 2 * i);
     }
 }
 
@@ -821,16 +831,16 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_fivebar_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_velocity_tangent(
-            &geometry.subleg[i], d, u_1, u_2, theta_ddot + 2 * i, along);
+            &geometry.subleg, i, d, u_1, u_2, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -892,15 +902,15 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_platform_planar_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_fivebar_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_rates_tangent(
-            &geometry.subleg[i], d, u_1, u_2, along, theta_ddot + 2 * i);
+            &geometry.subleg, i, d, u_1, u_2, along, theta_ddot + 2 * i);
     }
 }
 
@@ -957,10 +967,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_passive_tangent(&geometry.subleg[i], d, u_1, u_2, passive + 3 * i, link);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_passive_tangent(&geometry.subleg, i, d, u_1, u_2, passive + 3 * i, link);
         krhpr_platform_planar_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -1012,9 +1022,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
-        krhpr_subleg_planar_fivebar_points_tangent(&geometry.subleg[i], u_1, u_2, s + 2 * i, points + 10 * i);
-        krhpr_platform_planar_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 2 * i);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_points_tangent(&geometry.subleg, i, u_1, u_2, s + 2 * i, points + 10 * i);
+        krhpr_platform_planar_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 2 * i);
     }
 }
 
@@ -1072,11 +1082,11 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual N[2];
         krhpr_subleg_planar_fivebar_posture_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u_1, u_2);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_determinant_tangent(
-            &geometry.subleg[i], d, u_1, u_2, type_1 + i, factors + 3 * i);
+            &geometry.subleg, i, d, u_1, u_2, type_1 + i, factors + 3 * i);
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1124,7 +1134,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1197,8 +1207,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
@@ -1256,8 +1266,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);

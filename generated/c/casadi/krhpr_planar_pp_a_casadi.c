@@ -79,14 +79,22 @@
 #else
 static const krhpr_planar_pp_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {-0.21650635094610965, -0.12500000000000003}, .e_1 = {-0.8660254037844386, -0.5000000000000001}, .e_2 = {0.607415010423918, -0.7943846707431556}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {0.2165063509461096, -0.1250000000000001}, .e_1 = {0.8660254037844384, -0.5000000000000004}, .e_2 = {0.38424980002855125, 0.92322916503868}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {1.5308084989341915e-17, 0.25}, .e_1 = {6.123233995736766e-17, 1.0}, .e_2 = {-0.9916648104524687, -0.12884449429552458}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .slide_1 = {0.0, 0.0, 0.0, 0.0},
+        .slide_2 = {1.7, 1.7, 1.7, 1.7},
+        .o = {{-0.21650635094610965, 0.2165063509461096, 1.5308084989341915e-17, 1.5308084989341915e-17}, {-0.12500000000000003, -0.1250000000000001, 0.25, 0.25}},
+        .e_1 = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .e_2 = {{0.607415010423918, 0.38424980002855125, -0.9916648104524687, -0.9916648104524687}, {-0.7943846707431556, 0.92322916503868, -0.12884449429552458, -0.12884449429552458}},
+        .k = {{1.0084052488902255, 1.0084052488902255, 1.0084052488902255, 1.0084052488902255}, {0.9916648104524686, 0.9916648104524686, 0.9916648104524686, 0.9916648104524686}, {0.9916648104524686, 0.9916648104524686, 0.9916648104524686, 0.9916648104524686}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0, -0.04330127018922193, -0.02500000000000001} },
-        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0, 0.04330127018922192, -0.025000000000000022} },
-        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0, 3.061616997868383e-18, 0.05} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .b = {{-0.10825317547305482, 0.1082531754730548, 7.654042494670958e-18, 7.654042494670958e-18}, {-0.06250000000000001, -0.06250000000000006, 0.125, 0.125}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}}
     }
 };
 
@@ -175,7 +183,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -215,7 +223,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_a_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -251,7 +259,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg, i, theta + 2 * i, s + 2 * i);
     }
 }
 
@@ -286,7 +294,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, radicand);
+        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, radicand);
     }
 }
 
@@ -347,7 +355,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -389,8 +397,8 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg, i, N, K + 2 * i);
     }
 }
 
@@ -434,8 +442,8 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg, i, N, K + 2 * i);
     }
 }
 
@@ -482,8 +490,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_pp_inverse_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_pp_inverse_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -525,8 +533,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -598,8 +606,8 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual scale[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg[i], theta_dot + 2 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg, i, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -648,8 +656,8 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual s_dot[2];
         krhpr_dual regularity[1];
         krhpr_platform_planar_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg[i], s_dot, theta_dot + 2 * i, regularity);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg, i, s_dot, theta_dot + 2 * i, regularity);
     }
 }
 
@@ -709,13 +717,13 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_pp_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg[i], theta_ddot + 2 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg, i, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -775,12 +783,12 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual along[2];
         krhpr_dual regularity[1];
         krhpr_platform_planar_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_pp_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg[i], along, theta_ddot + 2 * i, regularity);
+        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg, i, along, theta_ddot + 2 * i, regularity);
     }
 }
 
@@ -831,9 +839,9 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_pp_passive_tangent(&geometry.subleg[i], link);
+        krhpr_subleg_planar_pp_passive_tangent(&geometry.subleg, i, link);
         krhpr_platform_planar_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -880,9 +888,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual v[2];
-        krhpr_subleg_planar_pp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_points_tangent(&geometry.subleg[i], v, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 2 * i);
+        krhpr_subleg_planar_pp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_points_tangent(&geometry.subleg, i, v, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 2 * i);
     }
 }
 
@@ -935,9 +943,9 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
-        krhpr_subleg_planar_pp_determinant_tangent(&geometry.subleg[i], type_1 + i, factors + i);
+        krhpr_subleg_planar_pp_determinant_tangent(&geometry.subleg, i, type_1 + i, factors + i);
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -985,7 +993,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1058,8 +1066,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
@@ -1117,8 +1125,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);

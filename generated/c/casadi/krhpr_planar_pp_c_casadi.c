@@ -81,14 +81,18 @@
 #else
 static const krhpr_planar_pp_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {-0.21650635094610965, -0.12500000000000003}, .e_1 = {-0.8660254037844386, -0.5000000000000001}, .e_2 = {0.607415010423918, -0.7943846707431556}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {0.2165063509461096, -0.1250000000000001}, .e_1 = {0.8660254037844384, -0.5000000000000004}, .e_2 = {0.38424980002855125, 0.92322916503868}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .slide_1 = 0.0, .slide_2 = 1.7, .o = {1.5308084989341915e-17, 0.25}, .e_1 = {6.123233995736766e-17, 1.0}, .e_2 = {-0.9916648104524687, -0.12884449429552458}, .k = {1.0084052488902255, 0.9916648104524686, 0.9916648104524686} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .slide_1 = {0.0, 0.0, 0.0, 0.0},
+        .slide_2 = {1.7, 1.7, 1.7, 1.7},
+        .o = {{-0.21650635094610965, 0.2165063509461096, 1.5308084989341915e-17, 1.5308084989341915e-17}, {-0.12500000000000003, -0.1250000000000001, 0.25, 0.25}},
+        .e_1 = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .e_2 = {{0.607415010423918, 0.38424980002855125, -0.9916648104524687, -0.9916648104524687}, {-0.7943846707431556, 0.92322916503868, -0.12884449429552458, -0.12884449429552458}},
+        .k = {{1.0084052488902255, 1.0084052488902255, 1.0084052488902255, 1.0084052488902255}, {0.9916648104524686, 0.9916648104524686, 0.9916648104524686, 0.9916648104524686}, {0.9916648104524686, 0.9916648104524686, 0.9916648104524686, 0.9916648104524686}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .t = {-0.8660254037844386, -0.5000000000000001} },
-        { .platform_azimuth = 5.759586531581287, .t = {0.8660254037844384, -0.5000000000000004} },
-        { .platform_azimuth = 1.5707963267948966, .t = {6.123233995736766e-17, 1.0} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .t = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}}
     }
 };
 
@@ -181,7 +185,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -221,7 +225,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_c_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -257,7 +261,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg, i, theta + 2 * i, s + 2 * i);
     }
 }
 
@@ -292,7 +296,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, radicand);
+        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, radicand);
     }
 }
 
@@ -353,7 +357,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -395,8 +399,8 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg, i, N, K + 2 * i);
     }
 }
 
@@ -440,8 +444,8 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg[i], N, K + 2 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_pp_project_tangent(&geometry.subleg, i, N, K + 2 * i);
     }
 }
 
@@ -488,8 +492,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_pp_inverse_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_pp_inverse_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -531,8 +535,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_pp_inverse_all_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -604,8 +608,8 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual scale[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg[i], theta_dot + 2 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg, i, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -654,8 +658,8 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual s_dot[2];
         krhpr_dual regularity[1];
         krhpr_platform_planar_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg[i], s_dot, theta_dot + 2 * i, regularity);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg, i, s_dot, theta_dot + 2 * i, regularity);
     }
 }
 
@@ -715,13 +719,13 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_pp_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg[i], theta_ddot + 2 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_pp_velocity_tangent(&geometry.subleg, i, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -781,12 +785,12 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual along[2];
         krhpr_dual regularity[1];
         krhpr_platform_planar_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_pp_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg[i], along, theta_ddot + 2 * i, regularity);
+        krhpr_subleg_planar_pp_rates_tangent(&geometry.subleg, i, along, theta_ddot + 2 * i, regularity);
     }
 }
 
@@ -837,9 +841,9 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_pp_passive_tangent(&geometry.subleg[i], link);
+        krhpr_subleg_planar_pp_passive_tangent(&geometry.subleg, i, link);
         krhpr_platform_planar_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -882,9 +886,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const attachment = found + 18;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual v[2];
-        krhpr_subleg_planar_pp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, v);
-        krhpr_subleg_planar_pp_points_tangent(&geometry.subleg[i], v, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment_tangent(&geometry.platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_pp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, v);
+        krhpr_subleg_planar_pp_points_tangent(&geometry.subleg, i, v, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_c_attachment_tangent(&geometry.platform, i, s + 2 * i, attachment + 2 * i);
     }
 }
 
@@ -937,9 +941,9 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[2];
-        krhpr_subleg_planar_pp_determinant_tangent(&geometry.subleg[i], type_1 + i, factors + i);
+        krhpr_subleg_planar_pp_determinant_tangent(&geometry.subleg, i, type_1 + i, factors + i);
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -987,7 +991,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1030,7 +1034,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes_tangent(
         s, slide, breadth, radicand, p, phi, redundant, det_J, count);
@@ -1080,8 +1084,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual assembly_radicand[1];
     krhpr_dual sign[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_subleg_planar_pp_forward_tangent(&geometry.subleg, i, theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode_tangent(
         s, slide, side, breadth, assembly_radicand, sign, p, phi, redundant, count, certified);
@@ -1134,7 +1138,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
@@ -1188,7 +1192,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);

@@ -83,14 +83,27 @@
 #else
 static const krhpr_planar_prr2_b_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.32, .l_0 = 0.2, .slide_1 = 3.141592653589793, .slide_2 = 3.141592653589793, .l_1 = 0.2, .l_2 = 0.2, .o = {-0.32712812921102036, -0.07339745962155618}, .o_12 = {0.10000000000000003, -0.17320508075688773}, .e_1 = {0.8660254037844386, 0.5}, .e_2 = {0.8660254037844386, 0.5}, .k = {-0.22712812921102032, -0.2466025403784439, 0.04000000000000001, 0.04000000000000001, 24.999999999999996, 5.0} },
-        { .azimuth = 5.759586531581287, .R_b = 0.32, .l_0 = 0.2, .slide_1 = 3.141592653589793, .slide_2 = 3.141592653589793, .l_1 = 0.2, .l_2 = 0.2, .o = {0.22712812921102024, -0.24660254037844398}, .o_12 = {0.10000000000000009, 0.17320508075688767}, .e_1 = {-0.8660254037844384, 0.5000000000000006}, .e_2 = {-0.8660254037844384, 0.5000000000000006}, .k = {0.32712812921102036, -0.0733974596215563, 0.04000000000000001, 0.04000000000000001, 24.999999999999996, 5.0} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.32, .l_0 = 0.2, .slide_1 = 3.141592653589793, .slide_2 = 3.141592653589793, .l_1 = 0.2, .l_2 = 0.2, .o = {0.10000000000000002, 0.32}, .o_12 = {-0.2, 1.2246467991473533e-17}, .e_1 = {-1.8369701987210297e-16, -1.0}, .e_2 = {-1.8369701987210297e-16, -1.0}, .k = {-0.09999999999999999, 0.32, 0.04000000000000001, 0.04000000000000001, 24.999999999999996, 5.0} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.32, 0.32, 0.32, 0.32},
+        .l_0 = {0.2, 0.2, 0.2, 0.2},
+        .slide_1 = {3.141592653589793, 3.141592653589793, 3.141592653589793, 3.141592653589793},
+        .slide_2 = {3.141592653589793, 3.141592653589793, 3.141592653589793, 3.141592653589793},
+        .l_1 = {0.2, 0.2, 0.2, 0.2},
+        .l_2 = {0.2, 0.2, 0.2, 0.2},
+        .o = {{-0.32712812921102036, 0.22712812921102024, 0.10000000000000002, 0.10000000000000002}, {-0.07339745962155618, -0.24660254037844398, 0.32, 0.32}},
+        .o_12 = {{0.10000000000000003, 0.10000000000000009, -0.2, -0.2}, {-0.17320508075688773, 0.17320508075688767, 1.2246467991473533e-17, 1.2246467991473533e-17}},
+        .e_1 = {{0.8660254037844386, -0.8660254037844384, -1.8369701987210297e-16, -1.8369701987210297e-16}, {0.5, 0.5000000000000006, -1.0, -1.0}},
+        .e_2 = {{0.8660254037844386, -0.8660254037844384, -1.8369701987210297e-16, -1.8369701987210297e-16}, {0.5, 0.5000000000000006, -1.0, -1.0}},
+        .k = {{-0.22712812921102032, 0.32712812921102036, -0.09999999999999999, -0.09999999999999999}, {-0.2466025403784439, -0.0733974596215563, 0.32, 0.32}, {0.04000000000000001, 0.04000000000000001, 0.04000000000000001, 0.04000000000000001}, {0.04000000000000001, 0.04000000000000001, 0.04000000000000001, 0.04000000000000001}, {24.999999999999996, 24.999999999999996, 24.999999999999996, 24.999999999999996}, {5.0, 5.0, 5.0, 5.0}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .b_x = 0.01, .b_y = 0.005, .l_r = 0.02, .t = {-0.8660254037844386, -0.5000000000000001}, .m = {-2.6532249399980543e-18, 0.02232050807568877}, .k = {2.297760199992758e-18, -0.011160254037844389, -0.01933012701892219, 1.3266124699990275e-18, -0.019330127018922193, -0.011160254037844387} },
-        { .platform_azimuth = 5.759586531581287, .b_x = -0.004, .b_y = 0.012, .l_r = 0.025, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.01650000000000001, -0.00965063509461096}, .k = {-0.014289419162443244, 0.004825317547305485, -0.008357695154586729, 0.008250000000000014, -0.01660769515458674, -0.00946410161513776} },
-        { .platform_azimuth = 1.5707963267948966, .b_x = 0.006, .b_y = -0.009, .l_r = 0.03, .t = {6.123233995736766e-17, 1.0}, .m = {0.036, -0.009000000000000001}, .k = {2.2043642384652355e-18, -0.009000000000000001, -5.51091059616309e-19, 0.036, -0.036, -0.009} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .b_x = {0.01, -0.004, 0.006, 0.006},
+        .b_y = {0.005, 0.012, -0.009, -0.009},
+        .l_r = {0.02, 0.025, 0.03, 0.03},
+        .t = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .m = {{-2.6532249399980543e-18, -0.01650000000000001, 0.036, 0.036}, {0.02232050807568877, -0.00965063509461096, -0.009000000000000001, -0.009000000000000001}},
+        .k = {{2.297760199992758e-18, -0.014289419162443244, 2.2043642384652355e-18, 2.2043642384652355e-18}, {-0.011160254037844389, 0.004825317547305485, -0.009000000000000001, -0.009000000000000001}, {-0.01933012701892219, -0.008357695154586729, -5.51091059616309e-19, -5.51091059616309e-19}, {1.3266124699990275e-18, 0.008250000000000014, 0.036, 0.036}, {-0.019330127018922193, -0.01660769515458674, -0.036, -0.036}, {-0.011160254037844387, -0.00946410161513776, -0.009, -0.009}}
     }
 };
 
@@ -202,7 +215,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_b_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -242,7 +255,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_b_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -282,7 +295,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_prr2_forward_tangent(
-            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
+            &geometry.subleg, i, theta + 2 * i, assembly + i, s + 2 * i, radicand);
     }
 }
 
@@ -318,7 +331,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_prr2_forward_all_tangent(&geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+        krhpr_subleg_planar_prr2_forward_all_tangent(&geometry.subleg, i, theta + 2 * i, s + 4 * i, radicand);
     }
 }
 
@@ -354,7 +367,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_prr2_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 8 * i);
+        krhpr_subleg_planar_prr2_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 8 * i);
     }
 }
 
@@ -393,8 +406,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_jacobian_tangent(&geometry.subleg[i], w, b, M + 4 * i);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_jacobian_tangent(&geometry.subleg, i, w, b, M + 4 * i);
     }
 }
 
@@ -435,7 +448,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_b_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -480,9 +493,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_platform_planar_b_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_project_tangent(&geometry.subleg[i], w, b, N, K + 2 * i);
+        krhpr_platform_planar_b_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_project_tangent(&geometry.subleg, i, w, b, N, K + 2 * i);
     }
 }
 
@@ -529,9 +542,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_platform_planar_b_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_project_tangent(&geometry.subleg[i], w, b, N, K + 2 * i);
+        krhpr_platform_planar_b_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_project_tangent(&geometry.subleg, i, w, b, N, K + 2 * i);
     }
 }
 
@@ -579,8 +592,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
-        krhpr_platform_planar_b_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_prr2_inverse_tangent(&geometry.subleg[i], s, mode + 2 * i, theta + 2 * i);
+        krhpr_platform_planar_b_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_prr2_inverse_tangent(&geometry.subleg, i, s, mode + 2 * i, theta + 2 * i);
     }
 }
 
@@ -622,8 +635,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
-        krhpr_platform_planar_b_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_prr2_inverse_all_tangent(&geometry.subleg[i], s, theta + 8 * i);
+        krhpr_platform_planar_b_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_prr2_inverse_all_tangent(&geometry.subleg, i, s, theta + 8 * i);
     }
 }
 
@@ -699,9 +712,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_b_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_velocity_tangent(&geometry.subleg[i], w, b, theta_dot + 2 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_velocity_tangent(&geometry.subleg, i, w, b, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -752,9 +765,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_platform_planar_b_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_rates_tangent(&geometry.subleg[i], w, b, s_dot, theta_dot + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_rates_tangent(&geometry.subleg, i, w, b, s_dot, theta_dot + 2 * i);
     }
 }
 
@@ -816,14 +829,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_b_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_prr2_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_velocity_tangent(&geometry.subleg[i], w, b, theta_ddot + 2 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_velocity_tangent(&geometry.subleg, i, w, b, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_b_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -884,13 +897,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_platform_planar_b_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_prr2_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_rates_tangent(&geometry.subleg[i], w, b, along, theta_ddot + 2 * i);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_rates_tangent(&geometry.subleg, i, w, b, along, theta_ddot + 2 * i);
     }
 }
 
@@ -945,10 +958,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_passive_tangent(&geometry.subleg[i], w, passive + 3 * i, link);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_passive_tangent(&geometry.subleg, i, w, passive + 3 * i, link);
         krhpr_platform_planar_b_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -997,9 +1010,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_points_tangent(&geometry.subleg[i], w, s + 2 * i, points + 10 * i);
-        krhpr_platform_planar_b_attachment_tangent(&geometry.platform[i], Q, s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_points_tangent(&geometry.subleg, i, w, s + 2 * i, points + 10 * i);
+        krhpr_platform_planar_b_attachment_tangent(&geometry.platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
 }
 
@@ -1055,10 +1068,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_prr2_determinant_tangent(&geometry.subleg[i], w, b, type_1 + i, factors + 3 * i);
+        krhpr_subleg_planar_prr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_prr2_determinant_tangent(&geometry.subleg, i, w, b, type_1 + i, factors + 3 * i);
         krhpr_platform_planar_b_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1106,7 +1119,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1151,7 +1164,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_assembly_modes_tangent(
         s, slide, distance, start, breadth, radicand, p, phi, redundant, det_J, count);
@@ -1207,8 +1220,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_prr2_forward_tangent(
-            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
-        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+            &geometry.subleg, i, theta + 2 * i, assembly + i, s + 2 * i, radicand);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_assembly_mode_tangent(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, phi, redundant, count,
@@ -1266,7 +1279,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_two_encoders_tangent(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch);
@@ -1322,7 +1335,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_planar_b_three_encoders_tangent(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch);

@@ -81,14 +81,15 @@
 #else
 static const krhpr_planar_rp_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .h = 0.01, .o = {-0.21650635094610965, -0.12500000000000003}, .k = {0.0001, 0.01, 4.0} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .h = 0.01, .o = {0.2165063509461096, -0.1250000000000001}, .k = {0.0001, 0.01, 4.0} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .h = 0.01, .o = {1.5308084989341915e-17, 0.25}, .k = {0.0001, 0.01, 4.0} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .h = {0.01, 0.01, 0.01, 0.01},
+        .o = {{-0.21650635094610965, 0.2165063509461096, 1.5308084989341915e-17, 1.5308084989341915e-17}, {-0.12500000000000003, -0.1250000000000001, 0.25, 0.25}},
+        .k = {{0.0001, 0.0001, 0.0001, 0.0001}, {0.01, 0.01, 0.01, 0.01}, {4.0, 4.0, 4.0, 4.0}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .t = {-0.8660254037844386, -0.5000000000000001} },
-        { .platform_azimuth = 5.759586531581287, .t = {0.8660254037844384, -0.5000000000000004} },
-        { .platform_azimuth = 1.5707963267948966, .t = {6.123233995736766e-17, 1.0} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .t = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}}
     }
 };
 
@@ -199,7 +200,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -239,7 +240,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_c_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -275,7 +276,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
+        krhpr_subleg_planar_rp_forward_tangent(&geometry.subleg, i, theta + 2 * i, s + 2 * i);
     }
 }
 
@@ -310,7 +311,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_rp_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 4 * i, radicand);
+        krhpr_subleg_planar_rp_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 4 * i, radicand);
     }
 }
 
@@ -349,8 +350,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual d[2];
         krhpr_dual u[2];
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_jacobian_tangent(&geometry.subleg[i], d, u, M + 4 * i);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_jacobian_tangent(&geometry.subleg, i, d, u, M + 4 * i);
     }
 }
 
@@ -391,7 +392,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -436,9 +437,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual d[2];
         krhpr_dual u[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_project_tangent(&geometry.subleg[i], d, u, N, K + 2 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_project_tangent(&geometry.subleg, i, d, u, N, K + 2 * i);
     }
 }
 
@@ -485,9 +486,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual d[2];
         krhpr_dual u[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_project_tangent(&geometry.subleg[i], d, u, N, K + 2 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_project_tangent(&geometry.subleg, i, d, u, N, K + 2 * i);
     }
 }
 
@@ -536,8 +537,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rp_inverse_tangent(&geometry.subleg[i], s, mode + i, theta + 2 * i, radicand);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rp_inverse_tangent(&geometry.subleg, i, s, mode + i, theta + 2 * i, radicand);
     }
 }
 
@@ -580,8 +581,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rp_inverse_all_tangent(&geometry.subleg[i], s, theta + 4 * i, radicand);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rp_inverse_all_tangent(&geometry.subleg, i, s, theta + 4 * i, radicand);
     }
 }
 
@@ -625,8 +626,8 @@ static void tangent_inverse_status(const krhpr_dual *given, krhpr_dual *found)
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rp_reach_tangent(&geometry.subleg[i], s, excess + i);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rp_reach_tangent(&geometry.subleg, i, s, excess + i);
     }
 }
 
@@ -679,9 +680,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_velocity_tangent(&geometry.subleg[i], d, u, theta_dot + 2 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_velocity_tangent(&geometry.subleg, i, d, u, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -732,9 +733,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u[2];
         krhpr_platform_planar_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_rates_tangent(&geometry.subleg[i], d, u, s_dot, theta_dot + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_rates_tangent(&geometry.subleg, i, d, u, s_dot, theta_dot + 2 * i);
     }
 }
 
@@ -796,14 +797,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rp_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_velocity_tangent(&geometry.subleg[i], d, u, theta_ddot + 2 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_velocity_tangent(&geometry.subleg, i, d, u, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -864,13 +865,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual d[2];
         krhpr_dual u[2];
         krhpr_platform_planar_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_rp_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_rates_tangent(&geometry.subleg[i], d, u, along, theta_ddot + 2 * i);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_rates_tangent(&geometry.subleg, i, d, u, along, theta_ddot + 2 * i);
     }
 }
 
@@ -924,10 +925,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_passive_tangent(&geometry.subleg[i], u, link);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_passive_tangent(&geometry.subleg, i, u, link);
         krhpr_platform_planar_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -971,9 +972,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual d[2];
         krhpr_dual u[2];
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_points_tangent(&geometry.subleg[i], u, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment_tangent(&geometry.platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_points_tangent(&geometry.subleg, i, u, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_c_attachment_tangent(&geometry.platform, i, s + 2 * i, attachment + 2 * i);
     }
 }
 
@@ -1029,10 +1030,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, d, u);
-        krhpr_subleg_planar_rp_determinant_tangent(&geometry.subleg[i], d, u, type_1 + i, factors + i);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_determinant_tangent(&geometry.subleg, i, d, u, type_1 + i, factors + i);
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1080,7 +1081,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1123,7 +1124,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes_tangent(
         s, slide, breadth, radicand, p, phi, redundant, det_J, count);
@@ -1173,8 +1174,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual assembly_radicand[1];
     krhpr_dual sign[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rp_forward_tangent(&geometry.subleg[i], theta + 2 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_subleg_planar_rp_forward_tangent(&geometry.subleg, i, theta + 2 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode_tangent(
         s, slide, side, breadth, assembly_radicand, sign, p, phi, redundant, count, certified);
@@ -1227,7 +1228,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
@@ -1281,7 +1282,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);

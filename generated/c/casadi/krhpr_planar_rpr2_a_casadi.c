@@ -81,14 +81,21 @@
 #else
 static const krhpr_planar_rpr2_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_0 = 0.2, .o = {-0.26650635094610964, -0.03839745962155617}, .o_12 = {0.10000000000000003, -0.17320508075688773}, .e_1 = {-0.8660254037844386, -0.5000000000000001}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, -0.16650635094610963, -0.2116025403784439} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_0 = 0.2, .o = {0.16650635094610955, -0.21160254037844395}, .o_12 = {0.10000000000000009, 0.17320508075688767}, .e_1 = {0.8660254037844384, -0.5000000000000004}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, 0.26650635094610964, -0.03839745962155627} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_0 = 0.2, .o = {0.10000000000000002, 0.25}, .o_12 = {-0.2, 1.2246467991473533e-17}, .e_1 = {6.123233995736766e-17, 1.0}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, -0.09999999999999999, 0.25} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .l_0 = {0.2, 0.2, 0.2, 0.2},
+        .o = {{-0.26650635094610964, 0.16650635094610955, 0.10000000000000002, 0.10000000000000002}, {-0.03839745962155617, -0.21160254037844395, 0.25, 0.25}},
+        .o_12 = {{0.10000000000000003, 0.10000000000000009, -0.2, -0.2}, {-0.17320508075688773, 0.17320508075688767, 1.2246467991473533e-17, 1.2246467991473533e-17}},
+        .e_1 = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .k = {{0.04000000000000001, 0.04000000000000001, 0.04000000000000001, 0.04000000000000001}, {24.999999999999996, 24.999999999999996, 24.999999999999996, 24.999999999999996}, {16.0, 16.0, 16.0, 16.0}, {4.0, 4.0, 4.0, 4.0}, {-0.16650635094610963, 0.26650635094610964, -0.09999999999999999, -0.09999999999999999}, {-0.2116025403784439, -0.03839745962155627, 0.25, 0.25}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0, -0.04330127018922193, -0.02500000000000001} },
-        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0, 0.04330127018922192, -0.025000000000000022} },
-        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0, 3.061616997868383e-18, 0.05} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .b = {{-0.10825317547305482, 0.1082531754730548, 7.654042494670958e-18, 7.654042494670958e-18}, {-0.06250000000000001, -0.06250000000000006, 0.125, 0.125}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}}
     }
 };
 
@@ -190,7 +197,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -230,7 +237,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_a_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -270,7 +277,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_rpr2_forward_tangent(
-            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
+            &geometry.subleg, i, theta + 2 * i, assembly + i, s + 2 * i, radicand);
     }
 }
 
@@ -306,7 +313,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_rpr2_forward_all_tangent(&geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+        krhpr_subleg_planar_rpr2_forward_all_tangent(&geometry.subleg, i, theta + 2 * i, s + 4 * i, radicand);
     }
 }
 
@@ -343,7 +350,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, radicand);
+        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, radicand);
     }
 }
 
@@ -382,8 +389,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_jacobian_tangent(&geometry.subleg[i], w, b, M + 4 * i);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_jacobian_tangent(&geometry.subleg, i, w, b, M + 4 * i);
     }
 }
 
@@ -424,7 +431,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -469,9 +476,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg[i], w, b, N, K + 2 * i);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg, i, w, b, N, K + 2 * i);
     }
 }
 
@@ -518,9 +525,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg[i], w, b, N, K + 2 * i);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg, i, w, b, N, K + 2 * i);
     }
 }
 
@@ -567,8 +574,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rpr2_inverse_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rpr2_inverse_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -610,8 +617,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -686,9 +693,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg[i], w, b, theta_dot + 2 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg, i, w, b, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -739,9 +746,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_platform_planar_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg[i], w, b, s_dot, theta_dot + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg, i, w, b, s_dot, theta_dot + 2 * i);
     }
 }
 
@@ -803,14 +810,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rpr2_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg[i], w, b, theta_ddot + 2 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg, i, w, b, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -871,13 +878,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_platform_planar_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_rpr2_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg[i], w, b, along, theta_ddot + 2 * i);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg, i, w, b, along, theta_ddot + 2 * i);
     }
 }
 
@@ -932,10 +939,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_passive_tangent(&geometry.subleg[i], w, passive + 3 * i, link);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_passive_tangent(&geometry.subleg, i, w, passive + 3 * i, link);
         krhpr_platform_planar_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -982,8 +989,8 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_points_tangent(&geometry.subleg[i], s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 2 * i);
+        krhpr_subleg_planar_rpr2_points_tangent(&geometry.subleg, i, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 2 * i);
     }
 }
 
@@ -1039,10 +1046,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_determinant_tangent(&geometry.subleg[i], w, b, type_1 + i, factors + 3 * i);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_determinant_tangent(&geometry.subleg, i, w, b, type_1 + i, factors + 3 * i);
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1090,7 +1097,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1163,8 +1170,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
@@ -1222,8 +1229,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);

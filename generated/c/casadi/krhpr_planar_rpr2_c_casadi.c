@@ -83,14 +83,17 @@
 #else
 static const krhpr_planar_rpr2_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_0 = 0.2, .o = {-0.26650635094610964, -0.03839745962155617}, .o_12 = {0.10000000000000003, -0.17320508075688773}, .e_1 = {-0.8660254037844386, -0.5000000000000001}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, -0.16650635094610963, -0.2116025403784439} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_0 = 0.2, .o = {0.16650635094610955, -0.21160254037844395}, .o_12 = {0.10000000000000009, 0.17320508075688767}, .e_1 = {0.8660254037844384, -0.5000000000000004}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, 0.26650635094610964, -0.03839745962155627} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_0 = 0.2, .o = {0.10000000000000002, 0.25}, .o_12 = {-0.2, 1.2246467991473533e-17}, .e_1 = {6.123233995736766e-17, 1.0}, .k = {0.04000000000000001, 24.999999999999996, 16.0, 4.0, -0.09999999999999999, 0.25} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .l_0 = {0.2, 0.2, 0.2, 0.2},
+        .o = {{-0.26650635094610964, 0.16650635094610955, 0.10000000000000002, 0.10000000000000002}, {-0.03839745962155617, -0.21160254037844395, 0.25, 0.25}},
+        .o_12 = {{0.10000000000000003, 0.10000000000000009, -0.2, -0.2}, {-0.17320508075688773, 0.17320508075688767, 1.2246467991473533e-17, 1.2246467991473533e-17}},
+        .e_1 = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .k = {{0.04000000000000001, 0.04000000000000001, 0.04000000000000001, 0.04000000000000001}, {24.999999999999996, 24.999999999999996, 24.999999999999996, 24.999999999999996}, {16.0, 16.0, 16.0, 16.0}, {4.0, 4.0, 4.0, 4.0}, {-0.16650635094610963, 0.26650635094610964, -0.09999999999999999, -0.09999999999999999}, {-0.2116025403784439, -0.03839745962155627, 0.25, 0.25}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .t = {-0.8660254037844386, -0.5000000000000001} },
-        { .platform_azimuth = 5.759586531581287, .t = {0.8660254037844384, -0.5000000000000004} },
-        { .platform_azimuth = 1.5707963267948966, .t = {6.123233995736766e-17, 1.0} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .t = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}}
     }
 };
 
@@ -196,7 +199,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -236,7 +239,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_c_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -276,7 +279,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_rpr2_forward_tangent(
-            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
+            &geometry.subleg, i, theta + 2 * i, assembly + i, s + 2 * i, radicand);
     }
 }
 
@@ -312,7 +315,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_rpr2_forward_all_tangent(&geometry.subleg[i], theta + 2 * i, s + 4 * i, radicand);
+        krhpr_subleg_planar_rpr2_forward_all_tangent(&geometry.subleg, i, theta + 2 * i, s + 4 * i, radicand);
     }
 }
 
@@ -349,7 +352,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, radicand);
+        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, radicand);
     }
 }
 
@@ -388,8 +391,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_jacobian_tangent(&geometry.subleg[i], w, b, M + 4 * i);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_jacobian_tangent(&geometry.subleg, i, w, b, M + 4 * i);
     }
 }
 
@@ -430,7 +433,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -475,9 +478,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg[i], w, b, N, K + 2 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg, i, w, b, N, K + 2 * i);
     }
 }
 
@@ -524,9 +527,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[2];
         krhpr_dual w[4];
         krhpr_dual b[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg[i], w, b, N, K + 2 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_project_tangent(&geometry.subleg, i, w, b, N, K + 2 * i);
     }
 }
 
@@ -573,8 +576,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rpr2_inverse_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rpr2_inverse_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -616,8 +619,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg[i], s, theta + 2 * i, radicand);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_planar_rpr2_inverse_all_tangent(&geometry.subleg, i, s, theta + 2 * i, radicand);
     }
 }
 
@@ -692,9 +695,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg[i], w, b, theta_dot + 2 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg, i, w, b, theta_dot + 2 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -745,9 +748,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_platform_planar_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg[i], w, b, s_dot, theta_dot + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg, i, w, b, s_dot, theta_dot + 2 * i);
     }
 }
 
@@ -809,14 +812,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rpr2_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg[i], w, b, theta_ddot + 2 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_velocity_tangent(&geometry.subleg, i, w, b, theta_ddot + 2 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -877,13 +880,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_platform_planar_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_rpr2_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg[i], w, b, along, theta_ddot + 2 * i);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_rates_tangent(&geometry.subleg, i, w, b, along, theta_ddot + 2 * i);
     }
 }
 
@@ -938,10 +941,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_passive_tangent(&geometry.subleg[i], w, passive + 3 * i, link);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_passive_tangent(&geometry.subleg, i, w, passive + 3 * i, link);
         krhpr_platform_planar_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -984,8 +987,8 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const points = found;
     krhpr_dual *const attachment = found + 18;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_points_tangent(&geometry.subleg[i], s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment_tangent(&geometry.platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_rpr2_points_tangent(&geometry.subleg, i, s + 2 * i, points + 6 * i);
+        krhpr_platform_planar_c_attachment_tangent(&geometry.platform, i, s + 2 * i, attachment + 2 * i);
     }
 }
 
@@ -1041,10 +1044,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[4];
         krhpr_dual b[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_determinant_tangent(&geometry.subleg[i], w, b, type_1 + i, factors + 3 * i);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_determinant_tangent(&geometry.subleg, i, w, b, type_1 + i, factors + 3 * i);
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1092,7 +1095,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1135,7 +1138,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes_tangent(
         s, slide, breadth, radicand, p, phi, redundant, det_J, count);
@@ -1189,8 +1192,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_rpr2_forward_tangent(
-            &geometry.subleg[i], theta + 2 * i, assembly + i, s + 2 * i, radicand);
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+            &geometry.subleg, i, theta + 2 * i, assembly + i, s + 2 * i, radicand);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode_tangent(
         s, slide, side, breadth, assembly_radicand, sign, p, phi, redundant, count, certified);
@@ -1245,7 +1248,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
@@ -1299,7 +1302,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);

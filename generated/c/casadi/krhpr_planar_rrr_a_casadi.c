@@ -81,14 +81,21 @@
 #else
 static const krhpr_planar_rrr_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {-0.21650635094610965, -0.12500000000000003}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {0.2165063509461096, -0.1250000000000001}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {1.5308084989341915e-17, 0.25}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .l_1 = {0.11, 0.11, 0.11, 0.11},
+        .l_2 = {0.1, 0.1, 0.1, 0.1},
+        .l_3 = {0.06, 0.06, 0.06, 0.06},
+        .o = {{-0.21650635094610965, 0.2165063509461096, 1.5308084989341915e-17, 1.5308084989341915e-17}, {-0.12500000000000003, -0.1250000000000001, 0.25, 0.25}},
+        .k = {{9.99999999999999e-05, 9.99999999999999e-05, 9.99999999999999e-05, 9.99999999999999e-05}, {0.0441, 0.0441, 0.0441, 0.0441}, {0.0121, 0.0121, 0.0121, 0.0121}, {0.010000000000000002, 0.010000000000000002, 0.010000000000000002, 0.010000000000000002}, {0.009999999999999995, 0.009999999999999995, 0.009999999999999995, 0.009999999999999995}, {90.9090909090909, 90.9090909090909, 90.9090909090909, 90.9090909090909}, {16.666666666666668, 16.666666666666668, 16.666666666666668, 16.666666666666668}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.8660254037844386, -0.5000000000000001}, .b = {-0.10825317547305482, -0.06250000000000001}, .k = {0.0012500000000000002, 20.0, -0.04330127018922193, -0.02500000000000001} },
-        { .platform_azimuth = 5.759586531581287, .R_p = 0.125, .l_r = 0.05, .e_r = {0.8660254037844384, -0.5000000000000004}, .b = {0.1082531754730548, -0.06250000000000006}, .k = {0.0012500000000000002, 20.0, 0.04330127018922192, -0.025000000000000022} },
-        { .platform_azimuth = 1.5707963267948966, .R_p = 0.125, .l_r = 0.05, .e_r = {6.123233995736766e-17, 1.0}, .b = {7.654042494670958e-18, 0.125}, .k = {0.0012500000000000002, 20.0, 3.061616997868383e-18, 0.05} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
+        .b = {{-0.10825317547305482, 0.1082531754730548, 7.654042494670958e-18, 7.654042494670958e-18}, {-0.06250000000000001, -0.06250000000000006, 0.125, 0.125}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}}
     }
 };
 
@@ -208,7 +215,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -248,7 +255,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_a_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -284,7 +291,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 2 * i);
+        krhpr_subleg_planar_rrr_forward_tangent(&geometry.subleg, i, theta + 3 * i, s + 2 * i);
     }
 }
 
@@ -321,7 +328,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_rrr_inverse_all_tangent(
-            &geometry.subleg[i], s + 2 * i, swivel + i, theta + 6 * i, radicand);
+            &geometry.subleg, i, s + 2 * i, swivel + i, theta + 6 * i, radicand);
     }
 }
 
@@ -362,8 +369,8 @@ static void tangent_swivel(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_swivel_tangent(&geometry.subleg[i], u_3, swivel + i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_swivel_tangent(&geometry.subleg, i, u_3, swivel + i);
     }
 }
 
@@ -402,8 +409,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_jacobian_tangent(&geometry.subleg[i], d, u_2, u_3, M + 6 * i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_jacobian_tangent(&geometry.subleg, i, d, u_2, u_3, M + 6 * i);
     }
 }
 
@@ -444,7 +451,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_a_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -490,9 +497,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg[i], d, u_2, u_3, N, K + 3 * i);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
 }
 
@@ -540,9 +547,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_platform_planar_a_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg[i], d, u_2, u_3, N, K + 3 * i);
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
 }
 
@@ -592,9 +599,9 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
         krhpr_subleg_planar_rrr_inverse_tangent(
-            &geometry.subleg[i], s, mode + i, swivel + i, theta + 3 * i, radicand);
+            &geometry.subleg, i, s, mode + i, swivel + i, theta + 3 * i, radicand);
     }
 }
 
@@ -639,9 +646,9 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
+        krhpr_platform_planar_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
         krhpr_subleg_planar_rrr_inverse_all_tangent(
-            &geometry.subleg[i], s, swivel + i, theta + 6 * i, radicand);
+            &geometry.subleg, i, s, swivel + i, theta + 6 * i, radicand);
     }
 }
 
@@ -721,9 +728,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_3[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg[i], d, u_2, u_3, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg, i, d, u_2, u_3, theta_dot + 3 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -776,10 +783,10 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
         krhpr_platform_planar_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates_tangent(
-            &geometry.subleg[i], d, u_2, u_3, s_dot, swivel_rates + i, theta_dot + 3 * i);
+            &geometry.subleg, i, d, u_2, u_3, s_dot, swivel_rates + i, theta_dot + 3 * i);
     }
 }
 
@@ -844,14 +851,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, swivel_bias);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg[i], d, u_2, u_3, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, swivel_bias);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg, i, d, u_2, u_3, theta_ddot + 3 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -916,16 +923,16 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
         krhpr_platform_planar_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_rrr_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias, swivel_bias);
+            &geometry.subleg, i, s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias, swivel_bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
         krhpr_subleg_planar_rrr_swivel_difference_tangent(
             swivel_accelerations + i, swivel_bias, swivel_along);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates_tangent(
-            &geometry.subleg[i], d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i);
+            &geometry.subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i);
     }
 }
 
@@ -981,10 +988,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_3[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_passive_tangent(&geometry.subleg[i], u_3, link);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_passive_tangent(&geometry.subleg, i, u_3, link);
         krhpr_platform_planar_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -1033,9 +1040,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_points_tangent(&geometry.subleg[i], u_2, u_3, s + 2 * i, points + 8 * i);
-        krhpr_platform_planar_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 2 * i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_points_tangent(&geometry.subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
+        krhpr_platform_planar_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 2 * i);
     }
 }
 
@@ -1092,11 +1099,11 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_determinant_tangent(
-            &geometry.subleg[i], d, u_2, u_3, type_1 + i, factors + i);
+            &geometry.subleg, i, d, u_2, u_3, type_1 + i, factors + i);
         krhpr_platform_planar_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1144,7 +1151,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1217,8 +1224,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);
@@ -1276,8 +1283,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_planar_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_planar_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_planar_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_planar_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch);

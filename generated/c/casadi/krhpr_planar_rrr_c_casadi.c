@@ -83,14 +83,17 @@
 #else
 static const krhpr_planar_rrr_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 3.6651914291880923, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {-0.21650635094610965, -0.12500000000000003}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} },
-        { .azimuth = 5.759586531581287, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {0.2165063509461096, -0.1250000000000001}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} },
-        { .azimuth = 1.5707963267948966, .R_b = 0.25, .l_1 = 0.11, .l_2 = 0.1, .l_3 = 0.06, .o = {1.5308084989341915e-17, 0.25}, .k = {9.99999999999999e-05, 0.0441, 0.0121, 0.010000000000000002, 0.009999999999999995, 90.9090909090909, 16.666666666666668} }
+        .azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .l_1 = {0.11, 0.11, 0.11, 0.11},
+        .l_2 = {0.1, 0.1, 0.1, 0.1},
+        .l_3 = {0.06, 0.06, 0.06, 0.06},
+        .o = {{-0.21650635094610965, 0.2165063509461096, 1.5308084989341915e-17, 1.5308084989341915e-17}, {-0.12500000000000003, -0.1250000000000001, 0.25, 0.25}},
+        .k = {{9.99999999999999e-05, 9.99999999999999e-05, 9.99999999999999e-05, 9.99999999999999e-05}, {0.0441, 0.0441, 0.0441, 0.0441}, {0.0121, 0.0121, 0.0121, 0.0121}, {0.010000000000000002, 0.010000000000000002, 0.010000000000000002, 0.010000000000000002}, {0.009999999999999995, 0.009999999999999995, 0.009999999999999995, 0.009999999999999995}, {90.9090909090909, 90.9090909090909, 90.9090909090909, 90.9090909090909}, {16.666666666666668, 16.666666666666668, 16.666666666666668, 16.666666666666668}}
     },
     .platform = {
-        { .platform_azimuth = 3.6651914291880923, .t = {-0.8660254037844386, -0.5000000000000001} },
-        { .platform_azimuth = 5.759586531581287, .t = {0.8660254037844384, -0.5000000000000004} },
-        { .platform_azimuth = 1.5707963267948966, .t = {6.123233995736766e-17, 1.0} }
+        .platform_azimuth = {3.6651914291880923, 5.759586531581287, 1.5707963267948966, 1.5707963267948966},
+        .t = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}}
     }
 };
 
@@ -217,7 +220,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 2 * i);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 2 * i);
     }
 }
 
@@ -257,7 +260,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant_tangent(&geometry.platform[i], p, Q, s + 2 * i, redundant + i);
+        krhpr_platform_planar_c_redundant_tangent(&geometry.platform, i, p, Q, s + 2 * i, redundant + i);
     }
 }
 
@@ -293,7 +296,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 2 * i);
+        krhpr_subleg_planar_rrr_forward_tangent(&geometry.subleg, i, theta + 3 * i, s + 2 * i);
     }
 }
 
@@ -330,7 +333,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_planar_rrr_inverse_all_tangent(
-            &geometry.subleg[i], s + 2 * i, swivel + i, theta + 6 * i, radicand);
+            &geometry.subleg, i, s + 2 * i, swivel + i, theta + 6 * i, radicand);
     }
 }
 
@@ -371,8 +374,8 @@ static void tangent_swivel(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_swivel_tangent(&geometry.subleg[i], u_3, swivel + i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_swivel_tangent(&geometry.subleg, i, u_3, swivel + i);
     }
 }
 
@@ -411,8 +414,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_jacobian_tangent(&geometry.subleg[i], d, u_2, u_3, M + 6 * i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_jacobian_tangent(&geometry.subleg, i, d, u_2, u_3, M + 6 * i);
     }
 }
 
@@ -453,7 +456,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual Q[4];
     krhpr_algebra_planar_rotation_tangent(phi, Q);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual_tangent(&geometry.platform[i], p, Q, s + 2 * i, residual + i);
+        krhpr_platform_planar_c_residual_tangent(&geometry.platform, i, p, Q, s + 2 * i, residual + i);
     }
 }
 
@@ -499,9 +502,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg[i], d, u_2, u_3, N, K + 3 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
 }
 
@@ -549,9 +552,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_platform_planar_c_rows_tangent(&geometry.platform[i], p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg[i], d, u_2, u_3, N, K + 3 * i);
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J + 3 * i, N);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_project_tangent(&geometry.subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
 }
 
@@ -601,9 +604,9 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
         krhpr_subleg_planar_rrr_inverse_tangent(
-            &geometry.subleg[i], s, mode + i, swivel + i, theta + 3 * i, radicand);
+            &geometry.subleg, i, s, mode + i, swivel + i, theta + 3 * i, radicand);
     }
 }
 
@@ -648,9 +651,9 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[2];
         krhpr_dual radicand[1];
-        krhpr_platform_planar_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
+        krhpr_platform_planar_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
         krhpr_subleg_planar_rrr_inverse_all_tangent(
-            &geometry.subleg[i], s, swivel + i, theta + 6 * i, radicand);
+            &geometry.subleg, i, s, swivel + i, theta + 6 * i, radicand);
     }
 }
 
@@ -730,9 +733,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_3[2];
         krhpr_dual s_dot[2];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg[i], d, u_2, u_3, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg, i, d, u_2, u_3, theta_dot + 3 * i, s_dot);
         krhpr_algebra_planar_rate_tangent(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -785,10 +788,10 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
         krhpr_platform_planar_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates_tangent(
-            &geometry.subleg[i], d, u_2, u_3, s_dot, swivel_rates + i, theta_dot + 3 * i);
+            &geometry.subleg, i, d, u_2, u_3, s_dot, swivel_rates + i, theta_dot + 3 * i);
     }
 }
 
@@ -853,14 +856,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[2];
         krhpr_dual row_bias[1];
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, swivel_bias);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg[i], d, u_2, u_3, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, swivel_bias);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_velocity_tangent(&geometry.subleg, i, d, u_2, u_3, theta_ddot + 3 * i, along);
         krhpr_algebra_planar_sum_tangent(along, bias, s_ddot);
         krhpr_platform_planar_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
         krhpr_algebra_planar_rate_with_bias_tangent(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -925,16 +928,16 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
         krhpr_platform_planar_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 2 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_planar_rrr_bias_tangent(
-            &geometry.subleg[i], s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias, swivel_bias);
+            &geometry.subleg, i, s + 2 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias, swivel_bias);
         krhpr_algebra_planar_difference_tangent(s_ddot, bias, along);
         krhpr_subleg_planar_rrr_swivel_difference_tangent(
             swivel_accelerations + i, swivel_bias, swivel_along);
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_rates_tangent(
-            &geometry.subleg[i], d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i);
+            &geometry.subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i);
     }
 }
 
@@ -990,10 +993,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_3[2];
         krhpr_dual link[2];
         krhpr_dual redundant_link[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_passive_tangent(&geometry.subleg[i], u_3, link);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_passive_tangent(&geometry.subleg, i, u_3, link);
         krhpr_platform_planar_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 2 * i, redundant_link, platform_joint + i);
         krhpr_algebra_planar_wrist_tangent(link, redundant_link, wrist + i);
     }
 }
@@ -1038,9 +1041,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_points_tangent(&geometry.subleg[i], u_2, u_3, s + 2 * i, points + 8 * i);
-        krhpr_platform_planar_c_attachment_tangent(&geometry.platform[i], s + 2 * i, attachment + 2 * i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_points_tangent(&geometry.subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
+        krhpr_platform_planar_c_attachment_tangent(&geometry.platform, i, s + 2 * i, attachment + 2 * i);
     }
 }
 
@@ -1097,11 +1100,11 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual u_3[2];
         krhpr_dual N[2];
-        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg[i], s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_determinant_tangent(
-            &geometry.subleg[i], d, u_2, u_3, type_1 + i, factors + i);
+            &geometry.subleg, i, d, u_2, u_3, type_1 + i, factors + i);
         krhpr_platform_planar_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1149,7 +1152,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1192,7 +1195,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes_tangent(
         s, slide, breadth, radicand, p, phi, redundant, det_J, count);
@@ -1242,8 +1245,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual assembly_radicand[1];
     krhpr_dual sign[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_subleg_planar_rrr_forward_tangent(&geometry.subleg, i, theta + 3 * i, s + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_mode_tangent(
         s, slide, side, breadth, assembly_radicand, sign, p, phi, redundant, count, certified);
@@ -1296,7 +1299,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);
@@ -1350,7 +1353,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders_tangent(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch);

@@ -13,21 +13,21 @@
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (18 add, 26 multiply, 1 sine cosine) */
 static inline void krhpr_platform_planar_a_end_point_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
     double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
-    const double l_c = g->l_r * h2;
-    const double l_s = g->l_r * h1;
-    const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s;
-    const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
+    const double l_c = g->l_r[i] * h2;
+    const double l_s = g->l_r[i] * h1;
+    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s;
+    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
     s[0].v = p[0].v + Q[0].v * r_l_0 + Q[1].v * r_l_1;
     s[1].v = p[1].v + Q[2].v * r_l_0 + Q[3].v * r_l_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_r * (h1 * redundant[0].t[k]);
-        const double t2 = g->l_r * (h2 * redundant[0].t[k]);
-        const double t3 = g->e_r[0] * t1 - g->e_r[1] * t2;
-        const double t4 = g->e_r[0] * t2 + g->e_r[1] * t1;
+        const double t1 = g->l_r[i] * (h1 * redundant[0].t[k]);
+        const double t2 = g->l_r[i] * (h2 * redundant[0].t[k]);
+        const double t3 = g->e_r[0][i] * t1 - g->e_r[1][i] * t2;
+        const double t4 = g->e_r[0][i] * t2 + g->e_r[1][i] * t1;
         const double t5 = p[0].t[k] + (r_l_0 * Q[0].t[k] + Q[0].v * t3) + (r_l_1 * Q[1].t[k] + Q[1].v * t4);
         const double t6 = p[1].t[k] + (r_l_0 * Q[2].t[k] + Q[2].v * t3) + (r_l_1 * Q[3].t[k] + Q[3].v * t4);
         s[0].t[k] = t5;
@@ -38,25 +38,25 @@ static inline void krhpr_platform_planar_a_end_point_tangent(
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (26 add, 33 multiply, 1
  * divide, 1 arctangent) */
 static inline void krhpr_platform_planar_a_redundant_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT redundant)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_x = Q[0].v * a_0 + Q[2].v * a_1;
     const double a_y = Q[1].v * a_0 + Q[3].v * a_1;
-    const double h2 = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    const double h1 = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    const double h2 = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    const double h1 = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
     redundant[0].v = krhpr_atan2(h2, h1);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t2 = p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]) - s[1].t[k];
+        const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t2 = p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]) - s[1].t[k];
         const double t3 = a_0 * Q[0].t[k] + Q[0].v * t1 + (a_1 * Q[2].t[k] + Q[2].v * t2);
         const double t4 = a_0 * Q[1].t[k] + Q[1].v * t1 + (a_1 * Q[3].t[k] + Q[3].v * t2);
-        const double t5 = h1 * (g->e_r[1] * t3 - g->e_r[0] * t4) - h2 * (g->e_r[0] * t3 + g->e_r[1] * t4);
+        const double t5 = h1 * (g->e_r[1][i] * t3 - g->e_r[0][i] * t4) - h2 * (g->e_r[0][i] * t3 + g->e_r[1][i] * t4);
         redundant[0].t[k] = h3 * t5;
     }
 }
@@ -64,18 +64,18 @@ static inline void krhpr_platform_planar_a_redundant_tangent(
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.1).  (17 add,
  * 14 multiply) */
 static inline void krhpr_platform_planar_a_residual_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT residual)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0].v = a2 * 0.5 - g->k[0];
+    residual[0].v = a2 * 0.5 - g->k[0][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = a_0 * (p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k]);
-        const double t2 = a_1 * (p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]) - s[1].t[k]);
+        const double t1 = a_0 * (p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k]);
+        const double t2 = a_1 * (p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]) - s[1].t[k]);
         residual[0].t[k] = 0.5 * (t1 + t1 + (t2 + t2));
     }
 }
@@ -83,11 +83,11 @@ static inline void krhpr_platform_planar_a_residual_tangent(
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (16
  * add, 14 multiply) */
 static inline void krhpr_platform_planar_a_rows_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     J[0].v = a_0;
@@ -96,8 +96,8 @@ static inline void krhpr_platform_planar_a_rows_tangent(
     N[0].v = a_0;
     N[1].v = a_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k];
-        const double t2 = g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k];
+        const double t1 = g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k];
+        const double t2 = g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k];
         const double t3 = p[0].t[k] + t1 - s[0].t[k];
         const double t4 = p[1].t[k] + t2 - s[1].t[k];
         J[0].t[k] = t3;
@@ -111,12 +111,12 @@ static inline void krhpr_platform_planar_a_rows_tangent(
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (44
  * add, 50 multiply) */
 static inline void krhpr_platform_planar_a_line_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT N,
-    krhpr_dual *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
+    krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double u_0 = s[0].v - p[0].v;
@@ -132,11 +132,11 @@ static inline void krhpr_platform_planar_a_line_tangent(
     point[1].v = Q[1].v * u_0 + Q[3].v * u_1;
     N[0].v = a_0;
     N[1].v = a_1;
-    scale[0].v = g->l_r;
-    scale[1].v = g->R_p;
+    scale[0].v = g->l_r[i];
+    scale[1].v = g->R_p[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k];
-        const double t2 = g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k];
+        const double t1 = g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k];
+        const double t2 = g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k];
         const double t3 = p[0].t[k] + t1 - s[0].t[k];
         const double t4 = p[1].t[k] + t2 - s[1].t[k];
         const double t5 = s[0].t[k] - p[0].t[k];
@@ -160,33 +160,33 @@ static inline void krhpr_platform_planar_a_line_tangent(
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (11 add, 18 multiply, 1 sine cosine) */
 static inline void krhpr_platform_planar_a_line_of_redundant_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
-    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *redundant,
+    krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
     double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
-    const double l_c = g->l_r * h2;
-    const double l_s = g->l_r * h1;
-    const double r_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s;
-    const double r_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
-    const double a_0 = g->b[0] - r_l_0;
-    const double a_1 = g->b[1] - r_l_1;
+    const double l_c = g->l_r[i] * h2;
+    const double l_s = g->l_r[i] * h1;
+    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s;
+    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double a_0 = g->b[0][i] - r_l_0;
+    const double a_1 = g->b[1][i] - r_l_1;
     line[0].v = a_0;
     line[1].v = a_1;
-    line[2].v = g->b[0] * a_1 - g->b[1] * a_0;
+    line[2].v = g->b[0][i] * a_1 - g->b[1][i] * a_0;
     point[0].v = r_l_0;
     point[1].v = r_l_1;
-    scale[0].v = g->l_r;
-    scale[1].v = g->R_p;
+    scale[0].v = g->l_r[i];
+    scale[1].v = g->R_p[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_r * (h1 * redundant[0].t[k]);
-        const double t2 = g->l_r * (h2 * redundant[0].t[k]);
-        const double t3 = g->e_r[0] * t1;
-        const double t4 = g->e_r[1] * t2;
-        const double t5 = g->e_r[0] * t2 + g->e_r[1] * t1;
+        const double t1 = g->l_r[i] * (h1 * redundant[0].t[k]);
+        const double t2 = g->l_r[i] * (h2 * redundant[0].t[k]);
+        const double t3 = g->e_r[0][i] * t1;
+        const double t4 = g->e_r[1][i] * t2;
+        const double t5 = g->e_r[0][i] * t2 + g->e_r[1][i] * t1;
         const double t6 = t4 - t3;
         line[0].t[k] = t6;
         line[1].t[k] = -t5;
-        line[2].t[k] = -(g->b[0] * t5 + g->b[1] * t6);
+        line[2].t[k] = -(g->b[0][i] * t5 + g->b[1][i] * t6);
         point[0].t[k] = t3 - t4;
         point[1].t[k] = t5;
         scale[0].t[k] = 0.0;
@@ -197,23 +197,24 @@ static inline void krhpr_platform_planar_a_line_of_redundant_tangent(
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (28 add, 20 multiply) */
 static inline void krhpr_platform_planar_a_end_velocity_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    const krhpr_dual *twist, const krhpr_dual *redundant_rates, krhpr_dual *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
+    krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0].v - p[0].v;
     const double u_1 = s[1].v - p[1].v;
     const double carried_0 = twist[0].v - twist[2].v * u_1;
     const double carried_1 = twist[1].v + twist[2].v * u_0;
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     s_dot[0].v = carried_0 - redundant_rates[0].v * a_1;
     s_dot[1].v = carried_1 + redundant_rates[0].v * a_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = redundant_rates[0].v * (p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]) - s[1].t[k]);
+        const double t1 = redundant_rates[0].v * (p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]) - s[1].t[k]);
         const double t2 = twist[0].t[k] - (u_1 * twist[2].t[k] + twist[2].v * (s[1].t[k] - p[1].t[k])) - (a_1 * redundant_rates[0].t[k] + t1);
-        const double t3 = redundant_rates[0].v * (p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k]);
+        const double t3 = redundant_rates[0].v * (p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k]);
         const double t4 = twist[1].t[k] + (u_0 * twist[2].t[k] + twist[2].v * (s[0].t[k] - p[0].t[k])) + (a_0 * redundant_rates[0].t[k] + t3);
         s_dot[0].t[k] = t2;
         s_dot[1].t[k] = t4;
@@ -223,26 +224,26 @@ static inline void krhpr_platform_planar_a_end_velocity_tangent(
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (72 add, 64
  * multiply) */
 static inline void krhpr_platform_planar_a_end_acceleration_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    const krhpr_dual *twist, const krhpr_dual *redundant_rates, const krhpr_dual *twist_rate,
-    const krhpr_dual *redundant_accelerations, krhpr_dual *KRHPR_RESTRICT s_dot,
-    krhpr_dual *KRHPR_RESTRICT s_ddot)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
+    const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
+    krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0].v - p[0].v;
     const double u_1 = s[1].v - p[1].v;
     const double carried_0 = twist[0].v - twist[2].v * u_1;
     const double carried_1 = twist[1].v + twist[2].v * u_0;
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double s_dot_0 = carried_0 - redundant_rates[0].v * a_1;
     const double s_dot_1 = carried_1 + redundant_rates[0].v * a_0;
     const double h2 = s_dot_0 - twist[0].v;
     const double h1 = s_dot_1 - twist[1].v;
-    const double t1 = twist[0].v - (g->b[0] * (Q[2].v * twist[2].v) + g->b[1] * (Q[3].v * twist[2].v));
+    const double t1 = twist[0].v - (g->b[0][i] * (Q[2].v * twist[2].v) + g->b[1][i] * (Q[3].v * twist[2].v));
     const double h4 = t1 - s_dot_0;
-    const double t2 = twist[1].v + (g->b[0] * (Q[0].v * twist[2].v) + g->b[1] * (Q[1].v * twist[2].v));
+    const double t2 = twist[1].v + (g->b[0][i] * (Q[0].v * twist[2].v) + g->b[1][i] * (Q[1].v * twist[2].v));
     const double h3 = t2 - s_dot_1;
     const double s_ddot_0 = twist_rate[0].v - (twist_rate[2].v * u_1 + twist[2].v * h1) - (redundant_accelerations[0].v * a_1 + redundant_rates[0].v * h3);
     const double s_ddot_1 = twist_rate[1].v + (twist_rate[2].v * u_0 + twist[2].v * h2) + (redundant_accelerations[0].v * a_0 + redundant_rates[0].v * h4);
@@ -253,14 +254,14 @@ static inline void krhpr_platform_planar_a_end_acceleration_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = s[0].t[k] - p[0].t[k];
         const double t4 = s[1].t[k] - p[1].t[k];
-        const double t5 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t6 = p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]) - s[1].t[k];
+        const double t5 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t6 = p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]) - s[1].t[k];
         const double t7 = twist[0].t[k] - (u_1 * twist[2].t[k] + twist[2].v * t4) - (a_1 * redundant_rates[0].t[k] + redundant_rates[0].v * t6);
         const double t8 = twist[1].t[k] + (u_0 * twist[2].t[k] + twist[2].v * t3) + (a_0 * redundant_rates[0].t[k] + redundant_rates[0].v * t5);
         const double t9 = u_1 * twist_rate[2].t[k] + twist_rate[2].v * t4 + (h1 * twist[2].t[k] + twist[2].v * (t8 - twist[1].t[k]));
         const double t10 = u_0 * twist_rate[2].t[k] + twist_rate[2].v * t3 + (h2 * twist[2].t[k] + twist[2].v * (t7 - twist[0].t[k]));
-        const double t11 = g->b[0] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) + g->b[1] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
-        const double t12 = g->b[0] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]) + g->b[1] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]);
+        const double t11 = g->b[0][i] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) + g->b[1][i] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
+        const double t12 = g->b[0][i] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]) + g->b[1][i] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]);
         const double t13 = h3 * redundant_rates[0].t[k] + redundant_rates[0].v * (twist[1].t[k] + t12 - t8);
         const double t14 = a_1 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t6 + t13;
         const double t15 = h4 * redundant_rates[0].t[k] + redundant_rates[0].v * (twist[0].t[k] - t11 - t7);
@@ -274,25 +275,25 @@ static inline void krhpr_platform_planar_a_end_acceleration_tangent(
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (51 add, 55 multiply) */
 static inline void krhpr_platform_planar_a_row_bias_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
-    const double h1 = g->b[0] * (Q[2].v * twist[2].v) + g->b[1] * (Q[3].v * twist[2].v);
-    const double h3 = g->b[0] * (Q[0].v * twist[2].v) + g->b[1] * (Q[1].v * twist[2].v);
+    const double h1 = g->b[0][i] * (Q[2].v * twist[2].v) + g->b[1][i] * (Q[3].v * twist[2].v);
+    const double h3 = g->b[0][i] * (Q[0].v * twist[2].v) + g->b[1][i] * (Q[1].v * twist[2].v);
     const double h4 = twist[0].v - h1 - s_dot[0].v;
     const double h2 = twist[1].v + h3 - s_dot[1].v;
     const double h5 = Qb_0 * h2 - a_1 * h1 - (a_0 * h3 + Qb_1 * h4);
     const double bias_0 = s_dot[0].v * h4 + s_dot[1].v * h2 - twist[0].v * h4 - twist[1].v * h2 - twist[2].v * h5;
     bias[0].v = bias_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k];
-        const double t2 = g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k];
-        const double t3 = g->b[0] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) + g->b[1] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
-        const double t4 = g->b[0] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]) + g->b[1] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]);
+        const double t1 = g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k];
+        const double t2 = g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k];
+        const double t3 = g->b[0][i] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) + g->b[1][i] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
+        const double t4 = g->b[0][i] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]) + g->b[1][i] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]);
         const double t5 = twist[0].t[k] - t3 - s_dot[0].t[k];
         const double t6 = twist[1].t[k] + t4 - s_dot[1].t[k];
         const double t7 = h2 * t1 + Qb_0 * t6 - (h1 * (p[1].t[k] + t2 - s[1].t[k]) + a_1 * t3) - (h3 * (p[0].t[k] + t1 - s[0].t[k]) + a_0 * t4 + (h4 * t2 + Qb_1 * t5));
@@ -305,45 +306,45 @@ static inline void krhpr_platform_planar_a_row_bias_tangent(
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (26 add, 37 multiply, 1
  * divide, 1 arctangent) */
 static inline void krhpr_platform_planar_a_joint_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_x = Q[0].v * a_0 + Q[2].v * a_1;
     const double a_y = Q[1].v * a_0 + Q[3].v * a_1;
-    const double h2 = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    const double h1 = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    const double h2 = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    const double h1 = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
-    redundant_link[0].v = a_0 * g->k[1];
-    redundant_link[1].v = g->k[1] * a_1;
+    redundant_link[0].v = a_0 * g->k[1][i];
+    redundant_link[1].v = g->k[1][i] * a_1;
     platform_joint[0].v = krhpr_atan2(h2, h1);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t2 = p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]) - s[1].t[k];
+        const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t2 = p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]) - s[1].t[k];
         const double t3 = a_0 * Q[0].t[k] + Q[0].v * t1 + (a_1 * Q[2].t[k] + Q[2].v * t2);
         const double t4 = a_0 * Q[1].t[k] + Q[1].v * t1 + (a_1 * Q[3].t[k] + Q[3].v * t2);
-        const double t5 = h1 * (g->e_r[1] * t3 - g->e_r[0] * t4) - h2 * (g->e_r[0] * t3 + g->e_r[1] * t4);
-        redundant_link[0].t[k] = g->k[1] * t1;
-        redundant_link[1].t[k] = g->k[1] * t2;
+        const double t5 = h1 * (g->e_r[1][i] * t3 - g->e_r[0][i] * t4) - h2 * (g->e_r[0][i] * t3 + g->e_r[1][i] * t4);
+        redundant_link[0].t[k] = g->k[1][i] * t1;
+        redundant_link[1].t[k] = g->k[1][i] * t2;
         platform_joint[0].t[k] = h3 * t5;
     }
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (8 add, 8 multiply) */
 static inline void krhpr_platform_planar_a_attachment_tangent(
-    const krhpr_platform_planar_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[2].v + g->b[1] * Q[3].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
     attachment[0].v = p[0].v + Qb_0;
     attachment[1].v = p[1].v + Qb_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        attachment[0].t[k] = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]);
-        attachment[1].t[k] = p[1].t[k] + (g->b[0] * Q[2].t[k] + g->b[1] * Q[3].t[k]);
+        attachment[0].t[k] = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]);
+        attachment[1].t[k] = p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]);
     }
 }
 
@@ -456,12 +457,12 @@ static inline void krhpr_platform_planar_a_type_2_tangent(
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_planar_a_tie_tangent(
-    const krhpr_platform_planar_a_geometry *g, krhpr_dual *KRHPR_RESTRICT anchor,
+    const krhpr_platform_planar_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT anchor,
     krhpr_dual *KRHPR_RESTRICT length)
 {
-    anchor[0].v = g->b[0];
-    anchor[1].v = g->b[1];
-    length[0].v = g->l_r;
+    anchor[0].v = g->b[0][i];
+    anchor[1].v = g->b[1][i];
+    length[0].v = g->l_r[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         anchor[0].t[k] = 0.0;
         anchor[1].t[k] = 0.0;
@@ -1434,10 +1435,10 @@ static inline void krhpr_platform_planar_a_newton_pose_tangent(
 
 /* `arm` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_planar_a_arm_tangent(
-    const krhpr_platform_planar_a_geometry *g, krhpr_dual *KRHPR_RESTRICT arm)
+    const krhpr_platform_planar_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT arm)
 {
-    arm[0].v = g->k[2];
-    arm[1].v = g->k[3];
+    arm[0].v = g->k[2][i];
+    arm[1].v = g->k[3][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         arm[0].t[k] = 0.0;
         arm[1].t[k] = 0.0;

@@ -13,16 +13,16 @@
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (10 add, 14 multiply) */
 static inline void krhpr_platform_planar_c_end_point_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[2].v + g->t[1] * Q[3].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
     s[0].v = p[0].v + redundant[0].v * Qt_0;
     s[1].v = p[1].v + redundant[0].v * Qt_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = Qt_0 * redundant[0].t[k] + redundant[0].v * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]);
-        const double t2 = Qt_1 * redundant[0].t[k] + redundant[0].v * (g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k]);
+        const double t1 = Qt_0 * redundant[0].t[k] + redundant[0].v * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]);
+        const double t2 = Qt_1 * redundant[0].t[k] + redundant[0].v * (g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k]);
         s[0].t[k] = p[0].t[k] + t1;
         s[1].t[k] = p[1].t[k] + t2;
     }
@@ -30,17 +30,17 @@ static inline void krhpr_platform_planar_c_end_point_tangent(
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (12 add, 14 multiply) */
 static inline void krhpr_platform_planar_c_redundant_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT redundant)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[2].v + g->t[1] * Q[3].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
     const double h1 = s[0].v - p[0].v;
     const double h2 = s[1].v - p[1].v;
     redundant[0].v = Qt_0 * h1 + Qt_1 * h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = h1 * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]) + Qt_0 * (s[0].t[k] - p[0].t[k]);
-        const double t2 = h2 * (g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k]) + Qt_1 * (s[1].t[k] - p[1].t[k]);
+        const double t1 = h1 * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]) + Qt_0 * (s[0].t[k] - p[0].t[k]);
+        const double t2 = h2 * (g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k]) + Qt_1 * (s[1].t[k] - p[1].t[k]);
         redundant[0].t[k] = t1 + t2;
     }
 }
@@ -48,17 +48,17 @@ static inline void krhpr_platform_planar_c_redundant_tangent(
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).  (12 add,
  * 14 multiply) */
 static inline void krhpr_platform_planar_c_residual_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT residual)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
     const double u_0 = s[0].v - p[0].v;
     const double u_1 = s[1].v - p[1].v;
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[3].v - g->t[1] * Q[2].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[3].v - g->t[1][i] * Q[2].v;
     residual[0].v = -(u_0 * Qn_0 + u_1 * Qn_1);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = Qn_0 * (s[0].t[k] - p[0].t[k]) + u_0 * (g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k]);
-        const double t2 = Qn_1 * (s[1].t[k] - p[1].t[k]) + u_1 * (g->t[0] * Q[3].t[k] - g->t[1] * Q[2].t[k]);
+        const double t1 = Qn_0 * (s[0].t[k] - p[0].t[k]) + u_0 * (g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k]);
+        const double t2 = Qn_1 * (s[1].t[k] - p[1].t[k]) + u_1 * (g->t[0][i] * Q[3].t[k] - g->t[1][i] * Q[2].t[k]);
         residual[0].t[k] = -(t1 + t2);
     }
 }
@@ -66,11 +66,11 @@ static inline void krhpr_platform_planar_c_residual_tangent(
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (12
  * add, 14 multiply) */
 static inline void krhpr_platform_planar_c_rows_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[3].v - g->t[1] * Q[2].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[3].v - g->t[1][i] * Q[2].v;
     const double b_0 = s[0].v - p[0].v;
     const double b_1 = s[1].v - p[1].v;
     J[0].v = Qn_0;
@@ -79,8 +79,8 @@ static inline void krhpr_platform_planar_c_rows_tangent(
     N[0].v = Qn_0;
     N[1].v = Qn_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
-        const double t2 = g->t[0] * Q[3].t[k] - g->t[1] * Q[2].t[k];
+        const double t1 = g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k];
+        const double t2 = g->t[0][i] * Q[3].t[k] - g->t[1][i] * Q[2].t[k];
         const double t3 = b_0 * t2 + Qn_1 * (s[0].t[k] - p[0].t[k]) - (b_1 * t1 + Qn_0 * (s[1].t[k] - p[1].t[k]));
         J[0].t[k] = t1;
         J[1].t[k] = t2;
@@ -93,12 +93,12 @@ static inline void krhpr_platform_planar_c_rows_tangent(
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (28
  * add, 38 multiply) */
 static inline void krhpr_platform_planar_c_line_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT N,
-    krhpr_dual *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
+    krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[3].v - g->t[1] * Q[2].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[3].v - g->t[1][i] * Q[2].v;
     const double b_0 = s[0].v - p[0].v;
     const double b_1 = s[1].v - p[1].v;
     const double a_l_0 = Q[0].v * Qn_0 + Q[2].v * Qn_1;
@@ -115,8 +115,8 @@ static inline void krhpr_platform_planar_c_line_tangent(
     scale[0].v = 1.0;
     scale[1].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
-        const double t2 = g->t[0] * Q[3].t[k] - g->t[1] * Q[2].t[k];
+        const double t1 = g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k];
+        const double t2 = g->t[0][i] * Q[3].t[k] - g->t[1][i] * Q[2].t[k];
         const double t3 = s[0].t[k] - p[0].t[k];
         const double t4 = s[1].t[k] - p[1].t[k];
         const double t5 = Qn_0 * Q[0].t[k] + Q[0].v * t1 + (Qn_1 * Q[2].t[k] + Q[2].v * t2);
@@ -138,25 +138,25 @@ static inline void krhpr_platform_planar_c_line_tangent(
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (2 add, 8 multiply) */
 static inline void krhpr_platform_planar_c_line_of_redundant_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
-    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *redundant,
+    krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = -g->t[1];
-    const double b_0 = g->t[0] * redundant[0].v;
-    const double b_1 = g->t[1] * redundant[0].v;
+    const double Qn_0 = -g->t[1][i];
+    const double b_0 = g->t[0][i] * redundant[0].v;
+    const double b_1 = g->t[1][i] * redundant[0].v;
     line[0].v = Qn_0;
-    line[1].v = g->t[0];
-    line[2].v = g->t[0] * b_0 + g->t[1] * b_1;
+    line[1].v = g->t[0][i];
+    line[2].v = g->t[0][i] * b_0 + g->t[1][i] * b_1;
     point[0].v = b_0;
     point[1].v = b_1;
     scale[0].v = 1.0;
     scale[1].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * redundant[0].t[k];
-        const double t2 = g->t[1] * redundant[0].t[k];
+        const double t1 = g->t[0][i] * redundant[0].t[k];
+        const double t2 = g->t[1][i] * redundant[0].t[k];
         line[0].t[k] = 0.0;
         line[1].t[k] = 0.0;
-        line[2].t[k] = g->t[0] * t1 + g->t[1] * t2;
+        line[2].t[k] = g->t[0][i] * t1 + g->t[1][i] * t2;
         point[0].t[k] = t1;
         point[1].t[k] = t2;
         scale[0].t[k] = 0.0;
@@ -167,21 +167,22 @@ static inline void krhpr_platform_planar_c_line_of_redundant_tangent(
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (20 add, 20 multiply) */
 static inline void krhpr_platform_planar_c_end_velocity_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    const krhpr_dual *twist, const krhpr_dual *redundant_rates, krhpr_dual *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
+    krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double u_0 = s[0].v - p[0].v;
     const double u_1 = s[1].v - p[1].v;
     const double carried_0 = twist[0].v - twist[2].v * u_1;
     const double carried_1 = twist[1].v + twist[2].v * u_0;
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[2].v + g->t[1] * Q[3].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
     s_dot[0].v = carried_0 + redundant_rates[0].v * Qt_0;
     s_dot[1].v = carried_1 + redundant_rates[0].v * Qt_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = Qt_0 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]);
+        const double t1 = Qt_0 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]);
         const double t2 = twist[0].t[k] - (u_1 * twist[2].t[k] + twist[2].v * (s[1].t[k] - p[1].t[k])) + t1;
-        const double t3 = Qt_1 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k]);
+        const double t3 = Qt_1 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k]);
         const double t4 = twist[1].t[k] + (u_0 * twist[2].t[k] + twist[2].v * (s[0].t[k] - p[0].t[k])) + t3;
         s_dot[0].t[k] = t2;
         s_dot[1].t[k] = t4;
@@ -191,23 +192,23 @@ static inline void krhpr_platform_planar_c_end_velocity_tangent(
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (56 add, 64
  * multiply) */
 static inline void krhpr_platform_planar_c_end_acceleration_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    const krhpr_dual *twist, const krhpr_dual *redundant_rates, const krhpr_dual *twist_rate,
-    const krhpr_dual *redundant_accelerations, krhpr_dual *KRHPR_RESTRICT s_dot,
-    krhpr_dual *KRHPR_RESTRICT s_ddot)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
+    const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
+    krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT s_ddot)
 {
     const double u_0 = s[0].v - p[0].v;
     const double u_1 = s[1].v - p[1].v;
     const double carried_0 = twist[0].v - twist[2].v * u_1;
     const double carried_1 = twist[1].v + twist[2].v * u_0;
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[2].v + g->t[1] * Q[3].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
     const double s_dot_0 = carried_0 + redundant_rates[0].v * Qt_0;
     const double s_dot_1 = carried_1 + redundant_rates[0].v * Qt_1;
     const double h2 = s_dot_0 - twist[0].v;
     const double h1 = s_dot_1 - twist[1].v;
-    const double h3 = g->t[0] * (Q[2].v * twist[2].v) + g->t[1] * (Q[3].v * twist[2].v);
-    const double h4 = g->t[0] * (Q[0].v * twist[2].v) + g->t[1] * (Q[1].v * twist[2].v);
+    const double h3 = g->t[0][i] * (Q[2].v * twist[2].v) + g->t[1][i] * (Q[3].v * twist[2].v);
+    const double h4 = g->t[0][i] * (Q[0].v * twist[2].v) + g->t[1][i] * (Q[1].v * twist[2].v);
     const double s_ddot_0 = twist_rate[0].v - (twist_rate[2].v * u_1 + twist[2].v * h1) + (redundant_accelerations[0].v * Qt_0 - redundant_rates[0].v * h3);
     const double s_ddot_1 = twist_rate[1].v + (twist_rate[2].v * u_0 + twist[2].v * h2) + (redundant_accelerations[0].v * Qt_1 + redundant_rates[0].v * h4);
     s_dot[0].v = s_dot_0;
@@ -217,14 +218,14 @@ static inline void krhpr_platform_planar_c_end_acceleration_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = s[0].t[k] - p[0].t[k];
         const double t2 = s[1].t[k] - p[1].t[k];
-        const double t3 = g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k];
-        const double t4 = g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k];
+        const double t3 = g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k];
+        const double t4 = g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k];
         const double t5 = twist[0].t[k] - (u_1 * twist[2].t[k] + twist[2].v * t2) + (Qt_0 * redundant_rates[0].t[k] + redundant_rates[0].v * t3);
         const double t6 = twist[1].t[k] + (u_0 * twist[2].t[k] + twist[2].v * t1) + (Qt_1 * redundant_rates[0].t[k] + redundant_rates[0].v * t4);
         const double t7 = u_1 * twist_rate[2].t[k] + twist_rate[2].v * t2 + (h1 * twist[2].t[k] + twist[2].v * (t6 - twist[1].t[k]));
         const double t8 = u_0 * twist_rate[2].t[k] + twist_rate[2].v * t1 + (h2 * twist[2].t[k] + twist[2].v * (t5 - twist[0].t[k]));
-        const double t9 = g->t[0] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) + g->t[1] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
-        const double t10 = g->t[0] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]) + g->t[1] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]);
+        const double t9 = g->t[0][i] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) + g->t[1][i] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
+        const double t10 = g->t[0][i] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]) + g->t[1][i] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]);
         const double t11 = Qt_0 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t3 - (h3 * redundant_rates[0].t[k] + redundant_rates[0].v * t9);
         const double t12 = Qt_1 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t4 + (h4 * redundant_rates[0].t[k] + redundant_rates[0].v * t10);
         s_dot[0].t[k] = t5;
@@ -236,25 +237,25 @@ static inline void krhpr_platform_planar_c_end_acceleration_tangent(
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (43 add, 55 multiply) */
 static inline void krhpr_platform_planar_c_row_bias_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[3].v - g->t[1] * Q[2].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[3].v - g->t[1][i] * Q[2].v;
     const double b_0 = s[0].v - p[0].v;
     const double b_1 = s[1].v - p[1].v;
-    const double h3 = g->t[1] * (Q[2].v * twist[2].v) - g->t[0] * (Q[3].v * twist[2].v);
-    const double h1 = g->t[0] * (Q[1].v * twist[2].v) - g->t[1] * (Q[0].v * twist[2].v);
+    const double h3 = g->t[1][i] * (Q[2].v * twist[2].v) - g->t[0][i] * (Q[3].v * twist[2].v);
+    const double h1 = g->t[0][i] * (Q[1].v * twist[2].v) - g->t[1][i] * (Q[0].v * twist[2].v);
     const double h2 = s_dot[0].v - twist[0].v;
     const double h4 = s_dot[1].v - twist[1].v;
     const double h5 = b_0 * h1 + Qn_1 * h2 - (b_1 * h3 + Qn_0 * h4);
     const double bias_0 = s_dot[0].v * h3 + s_dot[1].v * h1 - twist[0].v * h3 - twist[1].v * h1 - twist[2].v * h5;
     bias[0].v = bias_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[1] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) - g->t[0] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
-        const double t2 = g->t[0] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]) - g->t[1] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]);
-        const double t3 = h2 * (g->t[0] * Q[3].t[k] - g->t[1] * Q[2].t[k]) + Qn_1 * (s_dot[0].t[k] - twist[0].t[k]);
-        const double t4 = h4 * (g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k]) + Qn_0 * (s_dot[1].t[k] - twist[1].t[k]);
+        const double t1 = g->t[1][i] * (twist[2].v * Q[2].t[k] + Q[2].v * twist[2].t[k]) - g->t[0][i] * (twist[2].v * Q[3].t[k] + Q[3].v * twist[2].t[k]);
+        const double t2 = g->t[0][i] * (twist[2].v * Q[1].t[k] + Q[1].v * twist[2].t[k]) - g->t[1][i] * (twist[2].v * Q[0].t[k] + Q[0].v * twist[2].t[k]);
+        const double t3 = h2 * (g->t[0][i] * Q[3].t[k] - g->t[1][i] * Q[2].t[k]) + Qn_1 * (s_dot[0].t[k] - twist[0].t[k]);
+        const double t4 = h4 * (g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k]) + Qn_0 * (s_dot[1].t[k] - twist[1].t[k]);
         const double t5 = h1 * (s[0].t[k] - p[0].t[k]) + b_0 * t2 + t3 - (h3 * (s[1].t[k] - p[1].t[k]) + b_1 * t1 + t4);
         const double t6 = h3 * s_dot[0].t[k] + s_dot[0].v * t1 + (h1 * s_dot[1].t[k] + s_dot[1].v * t2) - (h3 * twist[0].t[k] + twist[0].v * t1);
         const double t7 = t6 - (h1 * twist[1].t[k] + twist[1].v * t2) - (h5 * twist[2].t[k] + twist[2].v * t5);
@@ -264,19 +265,19 @@ static inline void krhpr_platform_planar_c_row_bias_tangent(
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (12 add, 14 multiply) */
 static inline void krhpr_platform_planar_c_joint_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q, const krhpr_dual *s,
-    krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[2].v + g->t[1] * Q[3].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
     const double h1 = s[0].v - p[0].v;
     const double h2 = s[1].v - p[1].v;
     redundant_link[0].v = Qt_0;
     redundant_link[1].v = Qt_1;
     platform_joint[0].v = Qt_0 * h1 + Qt_1 * h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k];
-        const double t2 = g->t[0] * Q[2].t[k] + g->t[1] * Q[3].t[k];
+        const double t1 = g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k];
+        const double t2 = g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k];
         const double t3 = h1 * t1 + Qt_0 * (s[0].t[k] - p[0].t[k]) + (h2 * t2 + Qt_1 * (s[1].t[k] - p[1].t[k]));
         redundant_link[0].t[k] = t1;
         redundant_link[1].t[k] = t2;
@@ -286,9 +287,11 @@ static inline void krhpr_platform_planar_c_joint_tangent(
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_planar_c_attachment_tangent(
-    const krhpr_platform_planar_c_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT attachment)
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *s,
+    krhpr_dual *KRHPR_RESTRICT attachment)
 {
     (void)(g);
+    (void)(i);
     attachment[0].v = s[0].v;
     attachment[1].v = s[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
@@ -399,10 +402,10 @@ static inline void krhpr_platform_planar_c_type_2_tangent(
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_planar_c_tie_tangent(
-    const krhpr_platform_planar_c_geometry *g, krhpr_dual *KRHPR_RESTRICT slide)
+    const krhpr_platform_planar_c_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT slide)
 {
-    slide[0].v = g->t[0];
-    slide[1].v = g->t[1];
+    slide[0].v = g->t[0][i];
+    slide[1].v = g->t[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         slide[0].t[k] = 0.0;
         slide[1].t[k] = 0.0;

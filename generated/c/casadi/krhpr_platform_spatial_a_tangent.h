@@ -13,22 +13,22 @@
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (24 add, 32 multiply, 1 sine cosine) */
 static inline void krhpr_platform_spatial_a_end_point_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
     double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
-    const double l_c = g->l_r * h2;
-    const double l_s = g->l_r * h1;
-    const double s_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s;
-    const double s_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
+    const double l_c = g->l_r[i] * h2;
+    const double l_s = g->l_r[i] * h1;
+    const double s_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s;
+    const double s_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
     s[0].v = p[0].v + Q[0].v * s_l_0 + Q[1].v * s_l_1;
     s[1].v = p[1].v + Q[3].v * s_l_0 + Q[4].v * s_l_1;
     s[2].v = p[2].v + Q[6].v * s_l_0 + Q[7].v * s_l_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_r * (h1 * redundant[0].t[k]);
-        const double t2 = g->l_r * (h2 * redundant[0].t[k]);
-        const double t3 = g->e_r[0] * t1 - g->e_r[1] * t2;
-        const double t4 = g->e_r[0] * t2 + g->e_r[1] * t1;
+        const double t1 = g->l_r[i] * (h1 * redundant[0].t[k]);
+        const double t2 = g->l_r[i] * (h2 * redundant[0].t[k]);
+        const double t3 = g->e_r[0][i] * t1 - g->e_r[1][i] * t2;
+        const double t4 = g->e_r[0][i] * t2 + g->e_r[1][i] * t1;
         const double t5 = p[0].t[k] + (s_l_0 * Q[0].t[k] + Q[0].v * t3) + (s_l_1 * Q[1].t[k] + Q[1].v * t4);
         const double t6 = p[1].t[k] + (s_l_0 * Q[3].t[k] + Q[3].v * t3) + (s_l_1 * Q[4].t[k] + Q[4].v * t4);
         const double t7 = p[2].t[k] + (s_l_0 * Q[6].t[k] + Q[6].v * t3) + (s_l_1 * Q[7].t[k] + Q[7].v * t4);
@@ -41,28 +41,28 @@ static inline void krhpr_platform_spatial_a_end_point_tangent(
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (38 add, 43 multiply, 1
  * divide, 1 arctangent) */
 static inline void krhpr_platform_spatial_a_redundant_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
     const double a_x = Q[0].v * a_0 + Q[3].v * a_1 + Q[6].v * a_2;
     const double a_y = Q[1].v * a_0 + Q[4].v * a_1 + Q[7].v * a_2;
-    const double h2 = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    const double h1 = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    const double h2 = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    const double h1 = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
     redundant[0].v = krhpr_atan2(h2, h1);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t2 = p[1].t[k] + (g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k]) - s[1].t[k];
-        const double t3 = p[2].t[k] + (g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k]) - s[2].t[k];
+        const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t2 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t3 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
         const double t4 = a_0 * Q[0].t[k] + Q[0].v * t1 + (a_1 * Q[3].t[k] + Q[3].v * t2) + (a_2 * Q[6].t[k] + Q[6].v * t3);
         const double t5 = a_0 * Q[1].t[k] + Q[1].v * t1 + (a_1 * Q[4].t[k] + Q[4].v * t2) + (a_2 * Q[7].t[k] + Q[7].v * t3);
-        const double t6 = h1 * (g->e_r[1] * t4 - g->e_r[0] * t5) - h2 * (g->e_r[0] * t4 + g->e_r[1] * t5);
+        const double t6 = h1 * (g->e_r[1][i] * t4 - g->e_r[0][i] * t5) - h2 * (g->e_r[0][i] * t4 + g->e_r[1][i] * t5);
         redundant[0].t[k] = h3 * t6;
     }
 }
@@ -70,22 +70,22 @@ static inline void krhpr_platform_spatial_a_redundant_tangent(
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.1), (1.2).
  * (33 add, 29 multiply) */
 static inline void krhpr_platform_spatial_a_residual_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
     const double a2 = a_0 * a_0 + a_1 * a_1 + a_2 * a_2;
-    residual[0].v = a2 * 0.5 - g->k[0];
+    residual[0].v = a2 * 0.5 - g->k[0][i];
     residual[1].v = Q[2].v * a_0 + Q[5].v * a_1 + Q[8].v * a_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t2 = p[1].t[k] + (g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k]) - s[1].t[k];
-        const double t3 = p[2].t[k] + (g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k]) - s[2].t[k];
+        const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t2 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t3 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
         const double t4 = a_0 * t1;
         const double t5 = a_1 * t2;
         const double t6 = a_2 * t3;
@@ -98,12 +98,12 @@ static inline void krhpr_platform_spatial_a_residual_tangent(
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (48
  * add, 48 multiply) */
 static inline void krhpr_platform_spatial_a_rows_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
@@ -129,9 +129,9 @@ static inline void krhpr_platform_spatial_a_rows_tangent(
     N[4].v = Q[5].v;
     N[5].v = Q[8].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k];
-        const double t2 = g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k];
-        const double t3 = g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k];
+        const double t1 = g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k];
+        const double t2 = g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k];
+        const double t3 = g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k];
         const double t4 = p[0].t[k] + t1 - s[0].t[k];
         const double t5 = p[1].t[k] + t2 - s[1].t[k];
         const double t6 = p[2].t[k] + t3 - s[2].t[k];
@@ -162,13 +162,13 @@ static inline void krhpr_platform_spatial_a_rows_tangent(
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (92
  * add, 102 multiply) */
 static inline void krhpr_platform_spatial_a_line_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
@@ -195,12 +195,12 @@ static inline void krhpr_platform_spatial_a_line_tangent(
     N[3].v = Q[2].v;
     N[4].v = Q[5].v;
     N[5].v = Q[8].v;
-    scale[0].v = g->l_r;
-    scale[1].v = g->R_p;
+    scale[0].v = g->l_r[i];
+    scale[1].v = g->R_p[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k];
-        const double t2 = g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k];
-        const double t3 = g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k];
+        const double t1 = g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k];
+        const double t2 = g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k];
+        const double t3 = g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k];
         const double t4 = p[0].t[k] + t1 - s[0].t[k];
         const double t5 = p[1].t[k] + t2 - s[1].t[k];
         const double t6 = p[2].t[k] + t3 - s[2].t[k];
@@ -237,39 +237,39 @@ static inline void krhpr_platform_spatial_a_line_tangent(
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (11 add, 18 multiply, 1 sine cosine) */
 static inline void krhpr_platform_spatial_a_line_of_redundant_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
-    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *redundant,
+    krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
     double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
-    const double l_c = g->l_r * h2;
-    const double l_s = g->l_r * h1;
-    const double s_l_0 = g->b[0] - g->e_r[0] * l_c - g->e_r[1] * l_s;
-    const double s_l_1 = g->b[1] + g->e_r[0] * l_s - g->e_r[1] * l_c;
-    const double a_0 = g->b[0] - s_l_0;
-    const double a_1 = g->b[1] - s_l_1;
+    const double l_c = g->l_r[i] * h2;
+    const double l_s = g->l_r[i] * h1;
+    const double s_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s;
+    const double s_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double a_0 = g->b[0][i] - s_l_0;
+    const double a_1 = g->b[1][i] - s_l_1;
     line[0].v = a_0;
     line[1].v = a_1;
     line[2].v = 0.0;
     line[3].v = 0.0;
     line[4].v = 0.0;
-    line[5].v = g->b[0] * a_1 - g->b[1] * a_0;
+    line[5].v = g->b[0][i] * a_1 - g->b[1][i] * a_0;
     point[0].v = s_l_0;
     point[1].v = s_l_1;
-    scale[0].v = g->l_r;
-    scale[1].v = g->R_p;
+    scale[0].v = g->l_r[i];
+    scale[1].v = g->R_p[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_r * (h1 * redundant[0].t[k]);
-        const double t2 = g->l_r * (h2 * redundant[0].t[k]);
-        const double t3 = g->e_r[0] * t1;
-        const double t4 = g->e_r[1] * t2;
-        const double t5 = g->e_r[0] * t2 + g->e_r[1] * t1;
+        const double t1 = g->l_r[i] * (h1 * redundant[0].t[k]);
+        const double t2 = g->l_r[i] * (h2 * redundant[0].t[k]);
+        const double t3 = g->e_r[0][i] * t1;
+        const double t4 = g->e_r[1][i] * t2;
+        const double t5 = g->e_r[0][i] * t2 + g->e_r[1][i] * t1;
         const double t6 = t4 - t3;
         line[0].t[k] = t6;
         line[1].t[k] = -t5;
         line[2].t[k] = 0.0;
         line[3].t[k] = 0.0;
         line[4].t[k] = 0.0;
-        line[5].t[k] = -(g->b[0] * t5 + g->b[1] * t6);
+        line[5].t[k] = -(g->b[0][i] * t5 + g->b[1][i] * t6);
         point[0].t[k] = t3 - t4;
         point[1].t[k] = t5;
         scale[0].t[k] = 0.0;
@@ -280,7 +280,7 @@ static inline void krhpr_platform_spatial_a_line_of_redundant_tangent(
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (63 add, 57 multiply) */
 static inline void krhpr_platform_spatial_a_end_velocity_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -290,9 +290,9 @@ static inline void krhpr_platform_spatial_a_end_velocity_tangent(
     const double carried_0 = twist[0].v + twist[4].v * u_2 - twist[5].v * u_1;
     const double carried_1 = twist[1].v + twist[5].v * u_0 - twist[3].v * u_2;
     const double carried_2 = twist[2].v + twist[3].v * u_1 - twist[4].v * u_0;
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
@@ -309,9 +309,9 @@ static inline void krhpr_platform_spatial_a_end_velocity_tangent(
         const double t4 = twist[0].t[k] + (u_2 * twist[4].t[k] + twist[4].v * t3) - (u_1 * twist[5].t[k] + twist[5].v * t2);
         const double t5 = twist[1].t[k] + (u_0 * twist[5].t[k] + twist[5].v * t1) - (u_2 * twist[3].t[k] + twist[3].v * t3);
         const double t6 = twist[2].t[k] + (u_1 * twist[3].t[k] + twist[3].v * t2) - (u_0 * twist[4].t[k] + twist[4].v * t1);
-        const double t7 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t8 = p[1].t[k] + (g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k]) - s[1].t[k];
-        const double t9 = p[2].t[k] + (g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k]) - s[2].t[k];
+        const double t7 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t8 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t9 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
         const double t10 = redundant_rates[0].v * (a_2 * Q[5].t[k] + Q[5].v * t9 - (a_1 * Q[8].t[k] + Q[8].v * t8));
         const double t11 = redundant_rates[0].v * (a_0 * Q[8].t[k] + Q[8].v * t7 - (a_2 * Q[2].t[k] + Q[2].v * t9));
         const double t12 = redundant_rates[0].v * (a_1 * Q[2].t[k] + Q[2].v * t8 - (a_0 * Q[5].t[k] + Q[5].v * t7));
@@ -324,7 +324,7 @@ static inline void krhpr_platform_spatial_a_end_velocity_tangent(
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (207 add, 213
  * multiply) */
 static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
     krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT s_ddot)
@@ -335,9 +335,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
     const double carried_0 = twist[0].v + twist[4].v * u_2 - twist[5].v * u_1;
     const double carried_1 = twist[1].v + twist[5].v * u_0 - twist[3].v * u_2;
     const double carried_2 = twist[2].v + twist[3].v * u_1 - twist[4].v * u_0;
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
@@ -356,9 +356,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
     const double t1 = twist_rate[0].v + (twist_rate[4].v * u_2 + twist[4].v * h4) - (twist_rate[5].v * u_1 + twist[5].v * h5);
     const double t2 = twist_rate[1].v + (twist_rate[5].v * u_0 + twist[5].v * h6) - (twist_rate[3].v * u_2 + twist[3].v * h4);
     const double t3 = twist_rate[2].v + (twist_rate[3].v * u_1 + twist[3].v * h5) - (twist_rate[4].v * u_0 + twist[4].v * h6);
-    const double t4 = g->b[0] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v) + g->b[1] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v);
-    const double t5 = g->b[0] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v) + g->b[1] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v);
-    const double t6 = g->b[0] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v) + g->b[1] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v);
+    const double t4 = g->b[0][i] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v) + g->b[1][i] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v);
+    const double t5 = g->b[0][i] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v) + g->b[1][i] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v);
+    const double t6 = g->b[0][i] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v) + g->b[1][i] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v);
     const double h12 = twist[0].v + t4 - s_dot_0;
     const double h10 = twist[1].v + t5 - s_dot_1;
     const double h8 = twist[2].v + t6 - s_dot_2;
@@ -378,9 +378,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
         const double t10 = twist[0].t[k] + (u_2 * twist[4].t[k] + twist[4].v * t9) - (u_1 * twist[5].t[k] + twist[5].v * t8);
         const double t11 = twist[1].t[k] + (u_0 * twist[5].t[k] + twist[5].v * t7) - (u_2 * twist[3].t[k] + twist[3].v * t9);
         const double t12 = twist[2].t[k] + (u_1 * twist[3].t[k] + twist[3].v * t8) - (u_0 * twist[4].t[k] + twist[4].v * t7);
-        const double t13 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t14 = p[1].t[k] + (g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k]) - s[1].t[k];
-        const double t15 = p[2].t[k] + (g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k]) - s[2].t[k];
+        const double t13 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t14 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t15 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
         const double t16 = a_2 * Q[5].t[k] + Q[5].v * t15 - (a_1 * Q[8].t[k] + Q[8].v * t14);
         const double t17 = t10 + (h1 * redundant_rates[0].t[k] + redundant_rates[0].v * t16);
         const double t18 = a_0 * Q[8].t[k] + Q[8].v * t13 - (a_2 * Q[2].t[k] + Q[2].v * t15);
@@ -405,9 +405,9 @@ static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
         const double t37 = u_2 * twist_rate[3].t[k] + twist_rate[3].v * t9 + (h4 * twist[3].t[k] + twist[3].v * t33);
         const double t38 = u_1 * twist_rate[3].t[k] + twist_rate[3].v * t8 + (h5 * twist[3].t[k] + twist[3].v * t32);
         const double t39 = u_0 * twist_rate[4].t[k] + twist_rate[4].v * t7 + (h6 * twist[4].t[k] + twist[4].v * t31);
-        const double t40 = twist[0].t[k] + (g->b[0] * t22 + g->b[1] * t23) - t17;
-        const double t41 = twist[1].t[k] + (g->b[0] * t25 + g->b[1] * t26) - t19;
-        const double t42 = twist[2].t[k] + (g->b[0] * t28 + g->b[1] * t29) - t21;
+        const double t40 = twist[0].t[k] + (g->b[0][i] * t22 + g->b[1][i] * t23) - t17;
+        const double t41 = twist[1].t[k] + (g->b[0][i] * t25 + g->b[1][i] * t26) - t19;
+        const double t42 = twist[2].t[k] + (g->b[0][i] * t28 + g->b[1][i] * t29) - t21;
         const double t43 = h7 * t15 + a_2 * t27 + (h8 * Q[5].t[k] + Q[5].v * t42) - (h9 * t14 + a_1 * t30 + (h10 * Q[8].t[k] + Q[8].v * t41));
         const double t44 = h1 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t16 + (h11 * redundant_rates[0].t[k] + redundant_rates[0].v * t43);
         const double t45 = h9 * t13 + a_0 * t30 + (h12 * Q[8].t[k] + Q[8].v * t40) - (h13 * t15 + a_2 * t24 + (h8 * Q[2].t[k] + Q[2].v * t42));
@@ -425,12 +425,12 @@ static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (194 add, 204 multiply) */
 static inline void krhpr_platform_spatial_a_row_bias_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
@@ -440,9 +440,9 @@ static inline void krhpr_platform_spatial_a_row_bias_tangent(
     const double h11 = Q[8].v * twist[4].v - Q[5].v * twist[5].v;
     const double h9 = Q[2].v * twist[5].v - Q[8].v * twist[3].v;
     const double h7 = Q[5].v * twist[3].v - Q[2].v * twist[4].v;
-    const double h6 = g->b[0] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v) + g->b[1] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v);
-    const double h1 = g->b[0] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v) + g->b[1] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v);
-    const double h3 = g->b[0] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v) + g->b[1] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v);
+    const double h6 = g->b[0][i] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v) + g->b[1][i] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v);
+    const double h1 = g->b[0][i] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v) + g->b[1][i] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v);
+    const double h3 = g->b[0][i] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v) + g->b[1][i] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v);
     const double h5 = twist[0].v + h6 - s_dot[0].v;
     const double h4 = twist[1].v + h1 - s_dot[1].v;
     const double h2 = twist[2].v + h3 - s_dot[2].v;
@@ -460,9 +460,9 @@ static inline void krhpr_platform_spatial_a_row_bias_tangent(
     bias[0].v = t1 - twist[2].v * h2 - twist[3].v * h13 - twist[4].v * h14 - twist[5].v * h15;
     bias[1].v = t2 - twist[5].v * h18 - twist[0].v * h11 - twist[1].v * h9 - twist[2].v * h7;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k];
-        const double t4 = g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k];
-        const double t5 = g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k];
+        const double t3 = g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k];
+        const double t4 = g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k];
+        const double t5 = g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k];
         const double t6 = p[0].t[k] + t3 - s[0].t[k];
         const double t7 = p[1].t[k] + t4 - s[1].t[k];
         const double t8 = p[2].t[k] + t5 - s[2].t[k];
@@ -478,9 +478,9 @@ static inline void krhpr_platform_spatial_a_row_bias_tangent(
         const double t18 = twist[3].v * Q[3].t[k] + Q[3].v * twist[3].t[k] - (twist[4].v * Q[0].t[k] + Q[0].v * twist[4].t[k]);
         const double t19 = twist[3].v * Q[4].t[k] + Q[4].v * twist[3].t[k] - (twist[4].v * Q[1].t[k] + Q[1].v * twist[4].t[k]);
         const double t20 = twist[3].v * Q[5].t[k] + Q[5].v * twist[3].t[k] - (twist[4].v * Q[2].t[k] + Q[2].v * twist[4].t[k]);
-        const double t21 = g->b[0] * t12 + g->b[1] * t13;
-        const double t22 = g->b[0] * t15 + g->b[1] * t16;
-        const double t23 = g->b[0] * t18 + g->b[1] * t19;
+        const double t21 = g->b[0][i] * t12 + g->b[1][i] * t13;
+        const double t22 = g->b[0][i] * t15 + g->b[1][i] * t16;
+        const double t23 = g->b[0][i] * t18 + g->b[1][i] * t19;
         const double t24 = twist[0].t[k] + t21 - s_dot[0].t[k];
         const double t25 = twist[1].t[k] + t22 - s_dot[1].t[k];
         const double t26 = twist[2].t[k] + t23 - s_dot[2].t[k];
@@ -509,25 +509,25 @@ static inline void krhpr_platform_spatial_a_row_bias_tangent(
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (50 add, 67 multiply, 1
  * divide, 1 arctangent) */
 static inline void krhpr_platform_spatial_a_joint_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     const double a_0 = p[0].v + Qb_0 - s[0].v;
-    const double x_r_0 = a_0 * g->k[1];
+    const double x_r_0 = a_0 * g->k[1][i];
     const double a_1 = p[1].v + Qb_1 - s[1].v;
-    const double x_r_1 = g->k[1] * a_1;
+    const double x_r_1 = g->k[1][i] * a_1;
     const double a_2 = p[2].v + Qb_2 - s[2].v;
-    const double x_r_2 = g->k[1] * a_2;
+    const double x_r_2 = g->k[1][i] * a_2;
     const double y_r_0 = Q[5].v * x_r_2 - Q[8].v * x_r_1;
     const double y_r_1 = Q[8].v * x_r_0 - Q[2].v * x_r_2;
     const double y_r_2 = Q[2].v * x_r_1 - Q[5].v * x_r_0;
     const double a_x = Q[0].v * a_0 + Q[3].v * a_1 + Q[6].v * a_2;
     const double a_y = Q[1].v * a_0 + Q[4].v * a_1 + Q[7].v * a_2;
-    const double h2 = g->e_r[1] * a_x - g->e_r[0] * a_y;
-    const double h1 = g->e_r[0] * a_x + g->e_r[1] * a_y;
+    const double h2 = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
+    const double h1 = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
     redundant_link[0].v = x_r_0;
     redundant_link[1].v = y_r_0;
@@ -540,15 +540,15 @@ static inline void krhpr_platform_spatial_a_joint_tangent(
     redundant_link[8].v = Q[8].v;
     platform_joint[0].v = krhpr_atan2(h2, h1);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]) - s[0].t[k];
-        const double t2 = g->k[1] * t1;
-        const double t3 = p[1].t[k] + (g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k]) - s[1].t[k];
-        const double t4 = g->k[1] * t3;
-        const double t5 = p[2].t[k] + (g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k]) - s[2].t[k];
-        const double t6 = g->k[1] * t5;
+        const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t2 = g->k[1][i] * t1;
+        const double t3 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t4 = g->k[1][i] * t3;
+        const double t5 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
+        const double t6 = g->k[1][i] * t5;
         const double t7 = a_0 * Q[0].t[k] + Q[0].v * t1 + (a_1 * Q[3].t[k] + Q[3].v * t3) + (a_2 * Q[6].t[k] + Q[6].v * t5);
         const double t8 = a_0 * Q[1].t[k] + Q[1].v * t1 + (a_1 * Q[4].t[k] + Q[4].v * t3) + (a_2 * Q[7].t[k] + Q[7].v * t5);
-        const double t9 = h1 * (g->e_r[1] * t7 - g->e_r[0] * t8) - h2 * (g->e_r[0] * t7 + g->e_r[1] * t8);
+        const double t9 = h1 * (g->e_r[1][i] * t7 - g->e_r[0][i] * t8) - h2 * (g->e_r[0][i] * t7 + g->e_r[1][i] * t8);
         redundant_link[0].t[k] = t2;
         redundant_link[1].t[k] = x_r_2 * Q[5].t[k] + Q[5].v * t6 - (x_r_1 * Q[8].t[k] + Q[8].v * t4);
         redundant_link[2].t[k] = Q[2].t[k];
@@ -564,19 +564,19 @@ static inline void krhpr_platform_spatial_a_joint_tangent(
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (12 add, 12 multiply) */
 static inline void krhpr_platform_spatial_a_attachment_tangent(
-    const krhpr_platform_spatial_a_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
-    const double Qb_0 = g->b[0] * Q[0].v + g->b[1] * Q[1].v;
-    const double Qb_1 = g->b[0] * Q[3].v + g->b[1] * Q[4].v;
-    const double Qb_2 = g->b[0] * Q[6].v + g->b[1] * Q[7].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
     attachment[0].v = p[0].v + Qb_0;
     attachment[1].v = p[1].v + Qb_1;
     attachment[2].v = p[2].v + Qb_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        attachment[0].t[k] = p[0].t[k] + (g->b[0] * Q[0].t[k] + g->b[1] * Q[1].t[k]);
-        attachment[1].t[k] = p[1].t[k] + (g->b[0] * Q[3].t[k] + g->b[1] * Q[4].t[k]);
-        attachment[2].t[k] = p[2].t[k] + (g->b[0] * Q[6].t[k] + g->b[1] * Q[7].t[k]);
+        attachment[0].t[k] = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]);
+        attachment[1].t[k] = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]);
+        attachment[2].t[k] = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]);
     }
 }
 
@@ -766,12 +766,12 @@ static inline void krhpr_platform_spatial_a_type_2_tangent(
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_spatial_a_tie_tangent(
-    const krhpr_platform_spatial_a_geometry *g, krhpr_dual *KRHPR_RESTRICT anchor,
+    const krhpr_platform_spatial_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT anchor,
     krhpr_dual *KRHPR_RESTRICT length)
 {
-    anchor[0].v = g->b[0];
-    anchor[1].v = g->b[1];
-    length[0].v = g->l_r;
+    anchor[0].v = g->b[0][i];
+    anchor[1].v = g->b[1][i];
+    length[0].v = g->l_r[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         anchor[0].t[k] = 0.0;
         anchor[1].t[k] = 0.0;
@@ -2015,10 +2015,10 @@ static inline void krhpr_platform_spatial_a_newton_pose_tangent(
 
 /* `arm` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_spatial_a_arm_tangent(
-    const krhpr_platform_spatial_a_geometry *g, krhpr_dual *KRHPR_RESTRICT arm)
+    const krhpr_platform_spatial_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT arm)
 {
-    arm[0].v = g->k[2];
-    arm[1].v = g->k[3];
+    arm[0].v = g->k[2][i];
+    arm[1].v = g->k[3][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         arm[0].t[k] = 0.0;
         arm[1].t[k] = 0.0;

@@ -13,19 +13,19 @@
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (15 add, 21 multiply) */
 static inline void krhpr_platform_spatial_c_end_point_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[3].v + g->t[1] * Q[4].v;
-    const double Qt_2 = g->t[0] * Q[6].v + g->t[1] * Q[7].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[3].v + g->t[1][i] * Q[4].v;
+    const double Qt_2 = g->t[0][i] * Q[6].v + g->t[1][i] * Q[7].v;
     s[0].v = p[0].v + redundant[0].v * Qt_0;
     s[1].v = p[1].v + redundant[0].v * Qt_1;
     s[2].v = p[2].v + redundant[0].v * Qt_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = Qt_0 * redundant[0].t[k] + redundant[0].v * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]);
-        const double t2 = Qt_1 * redundant[0].t[k] + redundant[0].v * (g->t[0] * Q[3].t[k] + g->t[1] * Q[4].t[k]);
-        const double t3 = Qt_2 * redundant[0].t[k] + redundant[0].v * (g->t[0] * Q[6].t[k] + g->t[1] * Q[7].t[k]);
+        const double t1 = Qt_0 * redundant[0].t[k] + redundant[0].v * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]);
+        const double t2 = Qt_1 * redundant[0].t[k] + redundant[0].v * (g->t[0][i] * Q[3].t[k] + g->t[1][i] * Q[4].t[k]);
+        const double t3 = Qt_2 * redundant[0].t[k] + redundant[0].v * (g->t[0][i] * Q[6].t[k] + g->t[1][i] * Q[7].t[k]);
         s[0].t[k] = p[0].t[k] + t1;
         s[1].t[k] = p[1].t[k] + t2;
         s[2].t[k] = p[2].t[k] + t3;
@@ -34,20 +34,20 @@ static inline void krhpr_platform_spatial_c_end_point_tangent(
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (19 add, 21 multiply) */
 static inline void krhpr_platform_spatial_c_redundant_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[3].v + g->t[1] * Q[4].v;
-    const double Qt_2 = g->t[0] * Q[6].v + g->t[1] * Q[7].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[3].v + g->t[1][i] * Q[4].v;
+    const double Qt_2 = g->t[0][i] * Q[6].v + g->t[1][i] * Q[7].v;
     const double h1 = s[0].v - p[0].v;
     const double h2 = s[1].v - p[1].v;
     const double h3 = s[2].v - p[2].v;
     redundant[0].v = Qt_0 * h1 + Qt_1 * h2 + Qt_2 * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = h1 * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]) + Qt_0 * (s[0].t[k] - p[0].t[k]);
-        const double t2 = h2 * (g->t[0] * Q[3].t[k] + g->t[1] * Q[4].t[k]) + Qt_1 * (s[1].t[k] - p[1].t[k]);
-        const double t3 = h3 * (g->t[0] * Q[6].t[k] + g->t[1] * Q[7].t[k]) + Qt_2 * (s[2].t[k] - p[2].t[k]);
+        const double t1 = h1 * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]) + Qt_0 * (s[0].t[k] - p[0].t[k]);
+        const double t2 = h2 * (g->t[0][i] * Q[3].t[k] + g->t[1][i] * Q[4].t[k]) + Qt_1 * (s[1].t[k] - p[1].t[k]);
+        const double t3 = h3 * (g->t[0][i] * Q[6].t[k] + g->t[1][i] * Q[7].t[k]) + Qt_2 * (s[2].t[k] - p[2].t[k]);
         redundant[0].t[k] = t1 + t2 + t3;
     }
 }
@@ -55,24 +55,24 @@ static inline void krhpr_platform_spatial_c_redundant_tangent(
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.30), (2.31).
  * (26 add, 30 multiply) */
 static inline void krhpr_platform_spatial_c_residual_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
     const double u_0 = s[0].v - p[0].v;
     const double u_1 = s[1].v - p[1].v;
     const double u_2 = s[2].v - p[2].v;
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
-    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[4].v - g->t[1][i] * Q[3].v;
+    const double Qn_2 = g->t[0][i] * Q[7].v - g->t[1][i] * Q[6].v;
     residual[0].v = -(u_0 * Qn_0 + u_1 * Qn_1 + u_2 * Qn_2);
     residual[1].v = -(Q[2].v * u_0 + Q[5].v * u_1 + Q[8].v * u_2);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = s[0].t[k] - p[0].t[k];
         const double t2 = s[1].t[k] - p[1].t[k];
         const double t3 = s[2].t[k] - p[2].t[k];
-        const double t4 = Qn_0 * t1 + u_0 * (g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k]) + (Qn_1 * t2 + u_1 * (g->t[0] * Q[4].t[k] - g->t[1] * Q[3].t[k]));
+        const double t4 = Qn_0 * t1 + u_0 * (g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k]) + (Qn_1 * t2 + u_1 * (g->t[0][i] * Q[4].t[k] - g->t[1][i] * Q[3].t[k]));
         const double t5 = u_0 * Q[2].t[k] + Q[2].v * t1 + (u_1 * Q[5].t[k] + Q[5].v * t2) + (u_2 * Q[8].t[k] + Q[8].v * t3);
-        residual[0].t[k] = -(t4 + (Qn_2 * t3 + u_2 * (g->t[0] * Q[7].t[k] - g->t[1] * Q[6].t[k])));
+        residual[0].t[k] = -(t4 + (Qn_2 * t3 + u_2 * (g->t[0][i] * Q[7].t[k] - g->t[1][i] * Q[6].t[k])));
         residual[1].t[k] = -t5;
     }
 }
@@ -80,12 +80,12 @@ static inline void krhpr_platform_spatial_c_residual_tangent(
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (36
  * add, 48 multiply) */
 static inline void krhpr_platform_spatial_c_rows_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
-    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[4].v - g->t[1][i] * Q[3].v;
+    const double Qn_2 = g->t[0][i] * Q[7].v - g->t[1][i] * Q[6].v;
     const double b_0 = s[0].v - p[0].v;
     const double b_1 = s[1].v - p[1].v;
     const double b_2 = s[2].v - p[2].v;
@@ -108,9 +108,9 @@ static inline void krhpr_platform_spatial_c_rows_tangent(
     N[4].v = Q[5].v;
     N[5].v = Q[8].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
-        const double t2 = g->t[0] * Q[4].t[k] - g->t[1] * Q[3].t[k];
-        const double t3 = g->t[0] * Q[7].t[k] - g->t[1] * Q[6].t[k];
+        const double t1 = g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k];
+        const double t2 = g->t[0][i] * Q[4].t[k] - g->t[1][i] * Q[3].t[k];
+        const double t3 = g->t[0][i] * Q[7].t[k] - g->t[1][i] * Q[6].t[k];
         const double t4 = s[0].t[k] - p[0].t[k];
         const double t5 = s[1].t[k] - p[1].t[k];
         const double t6 = s[2].t[k] - p[2].t[k];
@@ -138,13 +138,13 @@ static inline void krhpr_platform_spatial_c_rows_tangent(
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (66
  * add, 84 multiply) */
 static inline void krhpr_platform_spatial_c_line_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
-    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[4].v - g->t[1][i] * Q[3].v;
+    const double Qn_2 = g->t[0][i] * Q[7].v - g->t[1][i] * Q[6].v;
     const double b_0 = s[0].v - p[0].v;
     const double b_1 = s[1].v - p[1].v;
     const double b_2 = s[2].v - p[2].v;
@@ -171,9 +171,9 @@ static inline void krhpr_platform_spatial_c_line_tangent(
     scale[0].v = 1.0;
     scale[1].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
-        const double t2 = g->t[0] * Q[4].t[k] - g->t[1] * Q[3].t[k];
-        const double t3 = g->t[0] * Q[7].t[k] - g->t[1] * Q[6].t[k];
+        const double t1 = g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k];
+        const double t2 = g->t[0][i] * Q[4].t[k] - g->t[1][i] * Q[3].t[k];
+        const double t3 = g->t[0][i] * Q[7].t[k] - g->t[1][i] * Q[6].t[k];
         const double t4 = s[0].t[k] - p[0].t[k];
         const double t5 = s[1].t[k] - p[1].t[k];
         const double t6 = s[2].t[k] - p[2].t[k];
@@ -205,31 +205,31 @@ static inline void krhpr_platform_spatial_c_line_tangent(
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (2 add, 8 multiply) */
 static inline void krhpr_platform_spatial_c_line_of_redundant_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT line,
-    krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *redundant,
+    krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
-    const double Qn_0 = -g->t[1];
-    const double b_0 = g->t[0] * redundant[0].v;
-    const double b_1 = g->t[1] * redundant[0].v;
+    const double Qn_0 = -g->t[1][i];
+    const double b_0 = g->t[0][i] * redundant[0].v;
+    const double b_1 = g->t[1][i] * redundant[0].v;
     line[0].v = Qn_0;
-    line[1].v = g->t[0];
+    line[1].v = g->t[0][i];
     line[2].v = 0.0;
     line[3].v = 0.0;
     line[4].v = 0.0;
-    line[5].v = g->t[0] * b_0 + g->t[1] * b_1;
+    line[5].v = g->t[0][i] * b_0 + g->t[1][i] * b_1;
     point[0].v = b_0;
     point[1].v = b_1;
     scale[0].v = 1.0;
     scale[1].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * redundant[0].t[k];
-        const double t2 = g->t[1] * redundant[0].t[k];
+        const double t1 = g->t[0][i] * redundant[0].t[k];
+        const double t2 = g->t[1][i] * redundant[0].t[k];
         line[0].t[k] = 0.0;
         line[1].t[k] = 0.0;
         line[2].t[k] = 0.0;
         line[3].t[k] = 0.0;
         line[4].t[k] = 0.0;
-        line[5].t[k] = g->t[0] * t1 + g->t[1] * t2;
+        line[5].t[k] = g->t[0][i] * t1 + g->t[1][i] * t2;
         point[0].t[k] = t1;
         point[1].t[k] = t2;
         scale[0].t[k] = 0.0;
@@ -240,7 +240,7 @@ static inline void krhpr_platform_spatial_c_line_of_redundant_tangent(
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (39 add, 39 multiply) */
 static inline void krhpr_platform_spatial_c_end_velocity_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -250,9 +250,9 @@ static inline void krhpr_platform_spatial_c_end_velocity_tangent(
     const double carried_0 = twist[0].v + twist[4].v * u_2 - twist[5].v * u_1;
     const double carried_1 = twist[1].v + twist[5].v * u_0 - twist[3].v * u_2;
     const double carried_2 = twist[2].v + twist[3].v * u_1 - twist[4].v * u_0;
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[3].v + g->t[1] * Q[4].v;
-    const double Qt_2 = g->t[0] * Q[6].v + g->t[1] * Q[7].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[3].v + g->t[1][i] * Q[4].v;
+    const double Qt_2 = g->t[0][i] * Q[6].v + g->t[1][i] * Q[7].v;
     s_dot[0].v = carried_0 + redundant_rates[0].v * Qt_0;
     s_dot[1].v = carried_1 + redundant_rates[0].v * Qt_1;
     s_dot[2].v = carried_2 + redundant_rates[0].v * Qt_2;
@@ -263,9 +263,9 @@ static inline void krhpr_platform_spatial_c_end_velocity_tangent(
         const double t4 = twist[0].t[k] + (u_2 * twist[4].t[k] + twist[4].v * t3) - (u_1 * twist[5].t[k] + twist[5].v * t2);
         const double t5 = twist[1].t[k] + (u_0 * twist[5].t[k] + twist[5].v * t1) - (u_2 * twist[3].t[k] + twist[3].v * t3);
         const double t6 = twist[2].t[k] + (u_1 * twist[3].t[k] + twist[3].v * t2) - (u_0 * twist[4].t[k] + twist[4].v * t1);
-        const double t7 = Qt_0 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k]);
-        const double t8 = Qt_1 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * Q[3].t[k] + g->t[1] * Q[4].t[k]);
-        const double t9 = Qt_2 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * Q[6].t[k] + g->t[1] * Q[7].t[k]);
+        const double t7 = Qt_0 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]);
+        const double t8 = Qt_1 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * Q[3].t[k] + g->t[1][i] * Q[4].t[k]);
+        const double t9 = Qt_2 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * Q[6].t[k] + g->t[1][i] * Q[7].t[k]);
         s_dot[0].t[k] = t4 + t7;
         s_dot[1].t[k] = t5 + t8;
         s_dot[2].t[k] = t6 + t9;
@@ -275,7 +275,7 @@ static inline void krhpr_platform_spatial_c_end_velocity_tangent(
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (129 add, 141
  * multiply) */
 static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
     krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT s_ddot)
@@ -286,9 +286,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
     const double carried_0 = twist[0].v + twist[4].v * u_2 - twist[5].v * u_1;
     const double carried_1 = twist[1].v + twist[5].v * u_0 - twist[3].v * u_2;
     const double carried_2 = twist[2].v + twist[3].v * u_1 - twist[4].v * u_0;
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[3].v + g->t[1] * Q[4].v;
-    const double Qt_2 = g->t[0] * Q[6].v + g->t[1] * Q[7].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[3].v + g->t[1][i] * Q[4].v;
+    const double Qt_2 = g->t[0][i] * Q[6].v + g->t[1][i] * Q[7].v;
     const double s_dot_0 = carried_0 + redundant_rates[0].v * Qt_0;
     const double s_dot_1 = carried_1 + redundant_rates[0].v * Qt_1;
     const double s_dot_2 = carried_2 + redundant_rates[0].v * Qt_2;
@@ -298,9 +298,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
     const double t1 = twist_rate[0].v + (twist_rate[4].v * u_2 + twist[4].v * h1) - (twist_rate[5].v * u_1 + twist[5].v * h2);
     const double t2 = twist_rate[1].v + (twist_rate[5].v * u_0 + twist[5].v * h3) - (twist_rate[3].v * u_2 + twist[3].v * h1);
     const double t3 = twist_rate[2].v + (twist_rate[3].v * u_1 + twist[3].v * h2) - (twist_rate[4].v * u_0 + twist[4].v * h3);
-    const double h4 = g->t[0] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v) + g->t[1] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v);
-    const double h5 = g->t[0] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v) + g->t[1] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v);
-    const double h6 = g->t[0] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v) + g->t[1] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v);
+    const double h4 = g->t[0][i] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v) + g->t[1][i] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v);
+    const double h5 = g->t[0][i] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v) + g->t[1][i] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v);
+    const double h6 = g->t[0][i] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v) + g->t[1][i] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v);
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
@@ -314,9 +314,9 @@ static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
         const double t7 = twist[0].t[k] + (u_2 * twist[4].t[k] + twist[4].v * t6) - (u_1 * twist[5].t[k] + twist[5].v * t5);
         const double t8 = twist[1].t[k] + (u_0 * twist[5].t[k] + twist[5].v * t4) - (u_2 * twist[3].t[k] + twist[3].v * t6);
         const double t9 = twist[2].t[k] + (u_1 * twist[3].t[k] + twist[3].v * t5) - (u_0 * twist[4].t[k] + twist[4].v * t4);
-        const double t10 = g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k];
-        const double t11 = g->t[0] * Q[3].t[k] + g->t[1] * Q[4].t[k];
-        const double t12 = g->t[0] * Q[6].t[k] + g->t[1] * Q[7].t[k];
+        const double t10 = g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k];
+        const double t11 = g->t[0][i] * Q[3].t[k] + g->t[1][i] * Q[4].t[k];
+        const double t12 = g->t[0][i] * Q[6].t[k] + g->t[1][i] * Q[7].t[k];
         const double t13 = t7 + (Qt_0 * redundant_rates[0].t[k] + redundant_rates[0].v * t10);
         const double t14 = t8 + (Qt_1 * redundant_rates[0].t[k] + redundant_rates[0].v * t11);
         const double t15 = t9 + (Qt_2 * redundant_rates[0].t[k] + redundant_rates[0].v * t12);
@@ -335,11 +335,11 @@ static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
         const double t28 = u_2 * twist_rate[3].t[k] + twist_rate[3].v * t6 + (h1 * twist[3].t[k] + twist[3].v * t24);
         const double t29 = u_1 * twist_rate[3].t[k] + twist_rate[3].v * t5 + (h2 * twist[3].t[k] + twist[3].v * t23);
         const double t30 = u_0 * twist_rate[4].t[k] + twist_rate[4].v * t4 + (h3 * twist[4].t[k] + twist[4].v * t22);
-        const double t31 = h4 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * t16 + g->t[1] * t17);
+        const double t31 = h4 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * t16 + g->t[1][i] * t17);
         const double t32 = Qt_0 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t10 + t31;
-        const double t33 = h5 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * t18 + g->t[1] * t19);
+        const double t33 = h5 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * t18 + g->t[1][i] * t19);
         const double t34 = Qt_1 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t11 + t33;
-        const double t35 = h6 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0] * t20 + g->t[1] * t21);
+        const double t35 = h6 * redundant_rates[0].t[k] + redundant_rates[0].v * (g->t[0][i] * t20 + g->t[1][i] * t21);
         const double t36 = Qt_2 * redundant_accelerations[0].t[k] + redundant_accelerations[0].v * t12 + t35;
         s_dot[0].t[k] = t13;
         s_dot[1].t[k] = t14;
@@ -352,21 +352,21 @@ static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (170 add, 204 multiply) */
 static inline void krhpr_platform_spatial_c_row_bias_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
-    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[4].v - g->t[1][i] * Q[3].v;
+    const double Qn_2 = g->t[0][i] * Q[7].v - g->t[1][i] * Q[6].v;
     const double b_0 = s[0].v - p[0].v;
     const double b_1 = s[1].v - p[1].v;
     const double b_2 = s[2].v - p[2].v;
     const double h9 = Q[8].v * twist[4].v - Q[5].v * twist[5].v;
     const double h8 = Q[2].v * twist[5].v - Q[8].v * twist[3].v;
     const double h7 = Q[5].v * twist[3].v - Q[2].v * twist[4].v;
-    const double h5 = g->t[0] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v) - g->t[1] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v);
-    const double h3 = g->t[0] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v) - g->t[1] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v);
-    const double h1 = g->t[0] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v) - g->t[1] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v);
+    const double h5 = g->t[0][i] * (Q[7].v * twist[4].v - Q[4].v * twist[5].v) - g->t[1][i] * (Q[6].v * twist[4].v - Q[3].v * twist[5].v);
+    const double h3 = g->t[0][i] * (Q[1].v * twist[5].v - Q[7].v * twist[3].v) - g->t[1][i] * (Q[0].v * twist[5].v - Q[6].v * twist[3].v);
+    const double h1 = g->t[0][i] * (Q[4].v * twist[3].v - Q[1].v * twist[4].v) - g->t[1][i] * (Q[3].v * twist[3].v - Q[0].v * twist[4].v);
     const double h6 = s_dot[0].v - twist[0].v;
     const double h2 = s_dot[1].v - twist[1].v;
     const double h4 = s_dot[2].v - twist[2].v;
@@ -381,9 +381,9 @@ static inline void krhpr_platform_spatial_c_row_bias_tangent(
     bias[0].v = t1 - twist[5].v * h12 - twist[0].v * h5 - twist[1].v * h3 - twist[2].v * h1;
     bias[1].v = t2 - twist[5].v * h15 - twist[0].v * h9 - twist[1].v * h8 - twist[2].v * h7;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
-        const double t4 = g->t[0] * Q[4].t[k] - g->t[1] * Q[3].t[k];
-        const double t5 = g->t[0] * Q[7].t[k] - g->t[1] * Q[6].t[k];
+        const double t3 = g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k];
+        const double t4 = g->t[0][i] * Q[4].t[k] - g->t[1][i] * Q[3].t[k];
+        const double t5 = g->t[0][i] * Q[7].t[k] - g->t[1][i] * Q[6].t[k];
         const double t6 = s[0].t[k] - p[0].t[k];
         const double t7 = s[1].t[k] - p[1].t[k];
         const double t8 = s[2].t[k] - p[2].t[k];
@@ -396,9 +396,9 @@ static inline void krhpr_platform_spatial_c_row_bias_tangent(
         const double t15 = twist[3].v * Q[3].t[k] + Q[3].v * twist[3].t[k] - (twist[4].v * Q[0].t[k] + Q[0].v * twist[4].t[k]);
         const double t16 = twist[3].v * Q[4].t[k] + Q[4].v * twist[3].t[k] - (twist[4].v * Q[1].t[k] + Q[1].v * twist[4].t[k]);
         const double t17 = twist[3].v * Q[5].t[k] + Q[5].v * twist[3].t[k] - (twist[4].v * Q[2].t[k] + Q[2].v * twist[4].t[k]);
-        const double t18 = g->t[0] * t10 - g->t[1] * t9;
-        const double t19 = g->t[0] * t13 - g->t[1] * t12;
-        const double t20 = g->t[0] * t16 - g->t[1] * t15;
+        const double t18 = g->t[0][i] * t10 - g->t[1][i] * t9;
+        const double t19 = g->t[0][i] * t13 - g->t[1][i] * t12;
+        const double t20 = g->t[0][i] * t16 - g->t[1][i] * t15;
         const double t21 = s_dot[0].t[k] - twist[0].t[k];
         const double t22 = s_dot[1].t[k] - twist[1].t[k];
         const double t23 = s_dot[2].t[k] - twist[2].t[k];
@@ -423,15 +423,15 @@ static inline void krhpr_platform_spatial_c_row_bias_tangent(
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (25 add, 33 multiply) */
 static inline void krhpr_platform_spatial_c_joint_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
-    const double Qt_0 = g->t[0] * Q[0].v + g->t[1] * Q[1].v;
-    const double Qt_1 = g->t[0] * Q[3].v + g->t[1] * Q[4].v;
-    const double Qt_2 = g->t[0] * Q[6].v + g->t[1] * Q[7].v;
-    const double Qn_0 = g->t[0] * Q[1].v - g->t[1] * Q[0].v;
-    const double Qn_1 = g->t[0] * Q[4].v - g->t[1] * Q[3].v;
-    const double Qn_2 = g->t[0] * Q[7].v - g->t[1] * Q[6].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[3].v + g->t[1][i] * Q[4].v;
+    const double Qt_2 = g->t[0][i] * Q[6].v + g->t[1][i] * Q[7].v;
+    const double Qn_0 = g->t[0][i] * Q[1].v - g->t[1][i] * Q[0].v;
+    const double Qn_1 = g->t[0][i] * Q[4].v - g->t[1][i] * Q[3].v;
+    const double Qn_2 = g->t[0][i] * Q[7].v - g->t[1][i] * Q[6].v;
     const double h1 = s[0].v - p[0].v;
     const double h2 = s[1].v - p[1].v;
     const double h3 = s[2].v - p[2].v;
@@ -446,18 +446,18 @@ static inline void krhpr_platform_spatial_c_joint_tangent(
     redundant_link[8].v = Q[8].v;
     platform_joint[0].v = Qt_0 * h1 + Qt_1 * h2 + Qt_2 * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->t[0] * Q[0].t[k] + g->t[1] * Q[1].t[k];
-        const double t2 = g->t[0] * Q[3].t[k] + g->t[1] * Q[4].t[k];
-        const double t3 = g->t[0] * Q[6].t[k] + g->t[1] * Q[7].t[k];
+        const double t1 = g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k];
+        const double t2 = g->t[0][i] * Q[3].t[k] + g->t[1][i] * Q[4].t[k];
+        const double t3 = g->t[0][i] * Q[6].t[k] + g->t[1][i] * Q[7].t[k];
         const double t4 = h1 * t1 + Qt_0 * (s[0].t[k] - p[0].t[k]) + (h2 * t2 + Qt_1 * (s[1].t[k] - p[1].t[k]));
         redundant_link[0].t[k] = t1;
-        redundant_link[1].t[k] = g->t[0] * Q[1].t[k] - g->t[1] * Q[0].t[k];
+        redundant_link[1].t[k] = g->t[0][i] * Q[1].t[k] - g->t[1][i] * Q[0].t[k];
         redundant_link[2].t[k] = Q[2].t[k];
         redundant_link[3].t[k] = t2;
-        redundant_link[4].t[k] = g->t[0] * Q[4].t[k] - g->t[1] * Q[3].t[k];
+        redundant_link[4].t[k] = g->t[0][i] * Q[4].t[k] - g->t[1][i] * Q[3].t[k];
         redundant_link[5].t[k] = Q[5].t[k];
         redundant_link[6].t[k] = t3;
-        redundant_link[7].t[k] = g->t[0] * Q[7].t[k] - g->t[1] * Q[6].t[k];
+        redundant_link[7].t[k] = g->t[0][i] * Q[7].t[k] - g->t[1][i] * Q[6].t[k];
         redundant_link[8].t[k] = Q[8].t[k];
         platform_joint[0].t[k] = t4 + (h3 * t3 + Qt_2 * (s[2].t[k] - p[2].t[k]));
     }
@@ -465,9 +465,11 @@ static inline void krhpr_platform_spatial_c_joint_tangent(
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_spatial_c_attachment_tangent(
-    const krhpr_platform_spatial_c_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT attachment)
+    const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *s,
+    krhpr_dual *KRHPR_RESTRICT attachment)
 {
     (void)(g);
+    (void)(i);
     attachment[0].v = s[0].v;
     attachment[1].v = s[1].v;
     attachment[2].v = s[2].v;
@@ -653,10 +655,10 @@ static inline void krhpr_platform_spatial_c_type_2_tangent(
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_platform_spatial_c_tie_tangent(
-    const krhpr_platform_spatial_c_geometry *g, krhpr_dual *KRHPR_RESTRICT slide)
+    const krhpr_platform_spatial_c_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT slide)
 {
-    slide[0].v = g->t[0];
-    slide[1].v = g->t[1];
+    slide[0].v = g->t[0][i];
+    slide[1].v = g->t[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         slide[0].t[k] = 0.0;
         slide[1].t[k] = 0.0;

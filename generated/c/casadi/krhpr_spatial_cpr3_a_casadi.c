@@ -79,14 +79,41 @@
 #else
 static const krhpr_spatial_cpr3_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .tilt_1 = 0.9553166181245092, .turn_1 = 0.0, .x_1 = 0.03, .y_1 = 0.0, .z_1 = -0.01, .tilt_2 = 0.9553166181245092, .turn_2 = 2.0943951023931953, .x_2 = 0.0, .y_2 = -0.02, .z_2 = 0.005, .tilt_3 = 0.9553166181245092, .turn_3 = 4.1887902047863905, .x_3 = 0.01, .y_3 = 0.0, .z_3 = 0.04, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .e = {-0.0917517095361373, 0.0, 0.9957819157813603, -0.7041241452319315, 0.7071067811865476, -0.06487825599846084, -0.7041241452319317, -0.7071067811865472, -0.06487825599846127}, .n = {0.9957819157813603, 0.0, 0.0917517095361373, 0.0, 1.0, 0.0}, .g = {0.24901923788646682, -0.01, 0.05830127018922193, 0.265, 0.005, 0.025980762113533167, 0.2663397459621556, 0.04, 0.04830127018922194}, .k = {0.9915816237971963, 0.0, -0.09136469309810971, 0.5042091881014019, -0.4978909578906802, 0.04568234654905467, 0.5042091881014016, 0.49789095789068016, 0.04568234654905498, 1.0, 0.0, 0.49999999999999994, -0.04587585476806847, 0.5000000000000003, 0.04587585476806875, 0.00841837620280371, 0.9957908118985982, 0.9957908118985981, -0.017002488109421537, -0.013973946022019635, 0.03222636586913272, 0.4978909578906802, 0.5, 0.045875854768068845, 0.4978909578906802, 0.49999999999999994, 0.04587585476806847, 1.0, -0.18350341907227424, -3.6980149515045475e-16, 1.9915638315627209, 0.015704565114696655, -0.01683503419072276, 0.013042942309708734, 0.4978909578906799, -0.5, 0.045875854768068526, -0.49789095789068016, 0.5000000000000003, -0.04587585476806875, 1.0, -0.1835034190722748, -1.9277981118859618e-16, 1.9915638315627207, 64.0, 4.0, 0.0, -0.5773502691896258, 0.0, 0.5749149571305298, 0.0, 0.052972874199297235, -0.6123724356957947, -0.5773502691896258, 0.3535533905932736, 0.21254252143473512, 0.28867513459481275, 0.8395389666847902, 0.6123724356957944, -0.5773502691896258, -0.3535533905932735, 0.21254252143473468, -0.288675134594813, 0.8395389666847901} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .tilt_1 = 0.9553166181245092, .turn_1 = 0.0, .x_1 = 0.03, .y_1 = 0.0, .z_1 = -0.01, .tilt_2 = 0.9553166181245092, .turn_2 = 2.0943951023931953, .x_2 = 0.0, .y_2 = -0.02, .z_2 = 0.005, .tilt_3 = 0.9553166181245092, .turn_3 = 4.1887902047863905, .x_3 = 0.01, .y_3 = 0.0, .z_3 = 0.04, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .e = {0.04587585476806863, -0.07945931129894584, 0.9957819157813603, -0.2603103630798291, -0.9633427877821299, -0.06487825599846084, 0.9644345083117601, -0.25623600659558293, -0.06487825599846127}, .n = {-0.49789095789068, 0.8623724356957946, 0.0917517095361373, -0.8660254037844387, -0.4999999999999998, 0.0}, .g = {-0.11584936490538898, 0.22065698604072065, 0.05830127018922193, -0.13683012701892214, 0.22699673200287626, 0.025980762113533167, -0.1678108891324553, 0.21065698604072067, 0.04830127018922194}, .k = {0.997895405949299, -0.0036452638251211946, 0.04568234654905484, 0.9322385148732476, 0.25076811085790096, 0.01688848237494544, 0.06986607917745351, -0.24712284703277998, -0.0625708289240005, 0.9936862178478972, -0.07912414523193179, 0.07197067322815424, 0.06249999999999996, 0.9343431089239483, 0.01662414523193164, 0.00841837620280371, 0.9957908118985982, 0.9957908118985981, 0.020603036300892275, -0.0077376136192920915, 0.03222636586913272, -0.6819581808375594, 0.18118621784789746, 0.045875854768068845, -0.6819581808375593, 0.18118621784789746, 0.04587585476806847, 1.0, 0.0917517095361374, -0.1589186225978912, 1.9915638315627209, 0.006727284725397185, 0.022018069440075557, 0.013042942309708734, 0.18406722294687955, 0.6811862178478969, 0.045875854768068526, -0.1840672229468797, -0.6811862178478973, -0.04587585476806875, 1.0, 0.09175170953613752, -0.15891862259789177, 1.9915638315627207, 64.0, 4.0, 0.5000000000000001, 0.2886751345948128, -1.6704779438076223e-52, -0.28745747856526477, 0.49789095789068033, 0.052972874199297235, 0.8061862178478973, -0.241654951295098, 0.3535533905932736, -0.3562712607173674, 0.03972965564947288, 0.8395389666847902, 0.19381378215210304, 0.8190052204847235, -0.3535533905932735, 0.14372873928263283, 0.32840479024428526, 0.8395389666847901} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .tilt_1 = 0.9553166181245092, .turn_1 = 0.0, .x_1 = 0.03, .y_1 = 0.0, .z_1 = -0.01, .tilt_2 = 0.9553166181245092, .turn_2 = 2.0943951023931953, .x_2 = 0.0, .y_2 = -0.02, .z_2 = 0.005, .tilt_3 = 0.9553166181245092, .turn_3 = 4.1887902047863905, .x_3 = 0.01, .y_3 = 0.0, .z_3 = 0.04, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .e = {0.045875854768068686, 0.07945931129894582, 0.9957819157813603, 0.9644345083117604, 0.25623600659558193, -0.06487825599846084, -0.260310363079828, 0.9633427877821301, -0.06487825599846127}, .n = {-0.4978909578906806, -0.8623724356957942, 0.0917517095361373, 0.8660254037844384, -0.5000000000000004, 0.0}, .g = {-0.1331698729810779, -0.21065698604072056, 0.05830127018922193, -0.1281698729810779, -0.23199673200287618, 0.025980762113533167, -0.09852885682970038, -0.25065698604072056, 0.04830127018922194}, .k = {0.997895405949299, 0.0036452638251211976, 0.0456823465490549, 0.06986607917745292, 0.24712284703277906, -0.06257082892400011, 0.9322385148732482, -0.2507681108579, 0.01688848237494548, 0.9936862178478972, 0.07912414523193176, 0.9343431089239489, -0.016624145231931467, 0.07197067322815377, -0.06250000000000037, 0.00841837620280371, 0.9957908118985982, 0.9957908118985981, -0.0036005481914707263, 0.021711559641311724, 0.03222636586913272, 0.18406722294687888, -0.6811862178478973, 0.045875854768068845, 0.18406722294687886, -0.6811862178478973, 0.04587585476806847, 1.0, 0.09175170953613687, 0.1589186225978915, 1.9915638315627209, -0.02243184984009384, -0.005183035249352789, 0.013042942309708734, -0.6819581808375593, -0.18118621784789665, 0.045875854768068526, 0.6819581808375598, 0.18118621784789676, -0.04587585476806875, 1.0, 0.0917517095361373, 0.15891862259789188, 1.9915638315627207, 64.0, 4.0, -0.49999999999999994, 0.28867513459481314, 1.6704779438076223e-52, -0.2874574785652651, -0.4978909578906801, 0.052972874199297235, -0.19381378215210238, 0.8190052204847238, 0.3535533905932736, 0.1437287392826322, -0.32840479024428565, 0.8395389666847902, -0.8061862178478973, -0.24165495129509726, -0.3535533905932735, -0.3562712607173675, -0.03972965564947213, 0.8395389666847901} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .tilt_1 = {0.9553166181245092, 0.9553166181245092, 0.9553166181245092, 0.9553166181245092},
+        .turn_1 = {0.0, 0.0, 0.0, 0.0},
+        .x_1 = {0.03, 0.03, 0.03, 0.03},
+        .y_1 = {0.0, 0.0, 0.0, 0.0},
+        .z_1 = {-0.01, -0.01, -0.01, -0.01},
+        .tilt_2 = {0.9553166181245092, 0.9553166181245092, 0.9553166181245092, 0.9553166181245092},
+        .turn_2 = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .x_2 = {0.0, 0.0, 0.0, 0.0},
+        .y_2 = {-0.02, -0.02, -0.02, -0.02},
+        .z_2 = {0.005, 0.005, 0.005, 0.005},
+        .tilt_3 = {0.9553166181245092, 0.9553166181245092, 0.9553166181245092, 0.9553166181245092},
+        .turn_3 = {4.1887902047863905, 4.1887902047863905, 4.1887902047863905, 4.1887902047863905},
+        .x_3 = {0.01, 0.01, 0.01, 0.01},
+        .y_3 = {0.0, 0.0, 0.0, 0.0},
+        .z_3 = {0.04, 0.04, 0.04, 0.04},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .e = {{-0.0917517095361373, 0.04587585476806863, 0.045875854768068686, 0.045875854768068686}, {0.0, -0.07945931129894584, 0.07945931129894582, 0.07945931129894582}, {0.9957819157813603, 0.9957819157813603, 0.9957819157813603, 0.9957819157813603}, {-0.7041241452319315, -0.2603103630798291, 0.9644345083117604, 0.9644345083117604}, {0.7071067811865476, -0.9633427877821299, 0.25623600659558193, 0.25623600659558193}, {-0.06487825599846084, -0.06487825599846084, -0.06487825599846084, -0.06487825599846084}, {-0.7041241452319317, 0.9644345083117601, -0.260310363079828, -0.260310363079828}, {-0.7071067811865472, -0.25623600659558293, 0.9633427877821301, 0.9633427877821301}, {-0.06487825599846127, -0.06487825599846127, -0.06487825599846127, -0.06487825599846127}},
+        .n = {{0.9957819157813603, -0.49789095789068, -0.4978909578906806, -0.4978909578906806}, {0.0, 0.8623724356957946, -0.8623724356957942, -0.8623724356957942}, {0.0917517095361373, 0.0917517095361373, 0.0917517095361373, 0.0917517095361373}, {0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .g = {{0.24901923788646682, -0.11584936490538898, -0.1331698729810779, -0.1331698729810779}, {-0.01, 0.22065698604072065, -0.21065698604072056, -0.21065698604072056}, {0.05830127018922193, 0.05830127018922193, 0.05830127018922193, 0.05830127018922193}, {0.265, -0.13683012701892214, -0.1281698729810779, -0.1281698729810779}, {0.005, 0.22699673200287626, -0.23199673200287618, -0.23199673200287618}, {0.025980762113533167, 0.025980762113533167, 0.025980762113533167, 0.025980762113533167}, {0.2663397459621556, -0.1678108891324553, -0.09852885682970038, -0.09852885682970038}, {0.04, 0.21065698604072067, -0.25065698604072056, -0.25065698604072056}, {0.04830127018922194, 0.04830127018922194, 0.04830127018922194, 0.04830127018922194}},
+        .k = {{0.9915816237971963, 0.997895405949299, 0.997895405949299, 0.997895405949299}, {0.0, -0.0036452638251211946, 0.0036452638251211976, 0.0036452638251211976}, {-0.09136469309810971, 0.04568234654905484, 0.0456823465490549, 0.0456823465490549}, {0.5042091881014019, 0.9322385148732476, 0.06986607917745292, 0.06986607917745292}, {-0.4978909578906802, 0.25076811085790096, 0.24712284703277906, 0.24712284703277906}, {0.04568234654905467, 0.01688848237494544, -0.06257082892400011, -0.06257082892400011}, {0.5042091881014016, 0.06986607917745351, 0.9322385148732482, 0.9322385148732482}, {0.49789095789068016, -0.24712284703277998, -0.2507681108579, -0.2507681108579}, {0.04568234654905498, -0.0625708289240005, 0.01688848237494548, 0.01688848237494548}, {1.0, 0.9936862178478972, 0.9936862178478972, 0.9936862178478972}, {0.0, -0.07912414523193179, 0.07912414523193176, 0.07912414523193176}, {0.49999999999999994, 0.07197067322815424, 0.9343431089239489, 0.9343431089239489}, {-0.04587585476806847, 0.06249999999999996, -0.016624145231931467, -0.016624145231931467}, {0.5000000000000003, 0.9343431089239483, 0.07197067322815377, 0.07197067322815377}, {0.04587585476806875, 0.01662414523193164, -0.06250000000000037, -0.06250000000000037}, {0.00841837620280371, 0.00841837620280371, 0.00841837620280371, 0.00841837620280371}, {0.9957908118985982, 0.9957908118985982, 0.9957908118985982, 0.9957908118985982}, {0.9957908118985981, 0.9957908118985981, 0.9957908118985981, 0.9957908118985981}, {-0.017002488109421537, 0.020603036300892275, -0.0036005481914707263, -0.0036005481914707263}, {-0.013973946022019635, -0.0077376136192920915, 0.021711559641311724, 0.021711559641311724}, {0.03222636586913272, 0.03222636586913272, 0.03222636586913272, 0.03222636586913272}, {0.4978909578906802, -0.6819581808375594, 0.18406722294687888, 0.18406722294687888}, {0.5, 0.18118621784789746, -0.6811862178478973, -0.6811862178478973}, {0.045875854768068845, 0.045875854768068845, 0.045875854768068845, 0.045875854768068845}, {0.4978909578906802, -0.6819581808375593, 0.18406722294687886, 0.18406722294687886}, {0.49999999999999994, 0.18118621784789746, -0.6811862178478973, -0.6811862178478973}, {0.04587585476806847, 0.04587585476806847, 0.04587585476806847, 0.04587585476806847}, {1.0, 1.0, 1.0, 1.0}, {-0.18350341907227424, 0.0917517095361374, 0.09175170953613687, 0.09175170953613687}, {-3.6980149515045475e-16, -0.1589186225978912, 0.1589186225978915, 0.1589186225978915}, {1.9915638315627209, 1.9915638315627209, 1.9915638315627209, 1.9915638315627209}, {0.015704565114696655, 0.006727284725397185, -0.02243184984009384, -0.02243184984009384}, {-0.01683503419072276, 0.022018069440075557, -0.005183035249352789, -0.005183035249352789}, {0.013042942309708734, 0.013042942309708734, 0.013042942309708734, 0.013042942309708734}, {0.4978909578906799, 0.18406722294687955, -0.6819581808375593, -0.6819581808375593}, {-0.5, 0.6811862178478969, -0.18118621784789665, -0.18118621784789665}, {0.045875854768068526, 0.045875854768068526, 0.045875854768068526, 0.045875854768068526}, {-0.49789095789068016, -0.1840672229468797, 0.6819581808375598, 0.6819581808375598}, {0.5000000000000003, -0.6811862178478973, 0.18118621784789676, 0.18118621784789676}, {-0.04587585476806875, -0.04587585476806875, -0.04587585476806875, -0.04587585476806875}, {1.0, 1.0, 1.0, 1.0}, {-0.1835034190722748, 0.09175170953613752, 0.0917517095361373, 0.0917517095361373}, {-1.9277981118859618e-16, -0.15891862259789177, 0.15891862259789188, 0.15891862259789188}, {1.9915638315627207, 1.9915638315627207, 1.9915638315627207, 1.9915638315627207}, {64.0, 64.0, 64.0, 64.0}, {4.0, 4.0, 4.0, 4.0}, {0.0, 0.5000000000000001, -0.49999999999999994, -0.49999999999999994}, {-0.5773502691896258, 0.2886751345948128, 0.28867513459481314, 0.28867513459481314}, {0.0, -1.6704779438076223e-52, 1.6704779438076223e-52, 1.6704779438076223e-52}, {0.5749149571305298, -0.28745747856526477, -0.2874574785652651, -0.2874574785652651}, {0.0, 0.49789095789068033, -0.4978909578906801, -0.4978909578906801}, {0.052972874199297235, 0.052972874199297235, 0.052972874199297235, 0.052972874199297235}, {-0.6123724356957947, 0.8061862178478973, -0.19381378215210238, -0.19381378215210238}, {-0.5773502691896258, -0.241654951295098, 0.8190052204847238, 0.8190052204847238}, {0.3535533905932736, 0.3535533905932736, 0.3535533905932736, 0.3535533905932736}, {0.21254252143473512, -0.3562712607173674, 0.1437287392826322, 0.1437287392826322}, {0.28867513459481275, 0.03972965564947288, -0.32840479024428565, -0.32840479024428565}, {0.8395389666847902, 0.8395389666847902, 0.8395389666847902, 0.8395389666847902}, {0.6123724356957944, 0.19381378215210304, -0.8061862178478973, -0.8061862178478973}, {-0.5773502691896258, 0.8190052204847235, -0.24165495129509726, -0.24165495129509726}, {-0.3535533905932735, -0.3535533905932735, -0.3535533905932735, -0.3535533905932735}, {0.21254252143473468, 0.14372873928263283, -0.3562712607173675, -0.3562712607173675}, {-0.288675134594813, 0.32840479024428526, -0.03972965564947213, -0.03972965564947213}, {0.8395389666847901, 0.8395389666847901, 0.8395389666847901, 0.8395389666847901}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0, 0.05, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0, -0.02499999999999999, 0.04330127018922194} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0, -0.025000000000000022, -0.043301270189221926} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}},
+        .b = {{0.125, -0.06249999999999997, -0.06250000000000006, -0.06250000000000006}, {0.0, 0.10825317547305484, -0.1082531754730548, -0.1082531754730548}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {0.05, -0.02499999999999999, -0.025000000000000022, -0.025000000000000022}, {0.0, 0.04330127018922194, -0.043301270189221926, -0.043301270189221926}}
     }
 };
 
@@ -263,7 +290,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -301,7 +328,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -338,7 +365,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_cpr3_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, radicand);
+        krhpr_subleg_cpr3_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, radicand);
     }
 }
 
@@ -378,8 +405,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual travel[3];
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_jacobian_tangent(&geometry.subleg[i], w, b, M + 9 * i);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_jacobian_tangent(&geometry.subleg, i, w, b, M + 9 * i);
     }
 }
 
@@ -418,7 +445,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -462,9 +489,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual travel[3];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project_tangent(&geometry.subleg[i], w, b, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_project_tangent(&geometry.subleg, i, w, b, N, K + 6 * i);
     }
 }
 
@@ -510,9 +537,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual travel[3];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project_tangent(&geometry.subleg[i], w, b, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_project_tangent(&geometry.subleg, i, w, b, N, K + 6 * i);
     }
 }
 
@@ -557,8 +584,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
         krhpr_dual radicand[1];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_cpr3_inverse_tangent(&geometry.subleg[i], s, theta + 3 * i, radicand);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_cpr3_inverse_tangent(&geometry.subleg, i, s, theta + 3 * i, radicand);
     }
 }
 
@@ -598,8 +625,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
         krhpr_dual radicand[1];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_cpr3_inverse_all_tangent(&geometry.subleg[i], s, theta + 3 * i, radicand);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_cpr3_inverse_all_tangent(&geometry.subleg, i, s, theta + 3 * i, radicand);
     }
 }
 
@@ -673,9 +700,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual travel[3];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity_tangent(&geometry.subleg[i], w, b, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_velocity_tangent(&geometry.subleg, i, w, b, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -725,9 +752,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[3];
         krhpr_dual travel[3];
         krhpr_platform_spatial_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates_tangent(&geometry.subleg[i], w, b, s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_rates_tangent(&geometry.subleg, i, w, b, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -788,14 +815,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_cpr3_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity_tangent(&geometry.subleg[i], w, b, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_velocity_tangent(&geometry.subleg, i, w, b, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -855,13 +882,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual b[3];
         krhpr_dual travel[3];
         krhpr_platform_spatial_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_cpr3_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates_tangent(&geometry.subleg[i], w, b, along, theta_ddot + 3 * i);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_rates_tangent(&geometry.subleg, i, w, b, along, theta_ddot + 3 * i);
     }
 }
 
@@ -915,10 +942,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual travel[3];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_passive_tangent(&geometry.subleg[i], w, travel, passive + 6 * i, link);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_passive_tangent(&geometry.subleg, i, w, travel, passive + 6 * i, link);
         krhpr_platform_spatial_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -970,9 +997,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual travel[3];
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_points_tangent(&geometry.subleg[i], w, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_points_tangent(&geometry.subleg, i, w, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 3 * i);
     }
 }
 
@@ -1027,10 +1054,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[3];
         krhpr_dual travel[3];
         krhpr_dual N[6];
-        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_determinant_tangent(&geometry.subleg[i], w, b, type_1 + i, factors + 4 * i);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_determinant_tangent(&geometry.subleg, i, w, b, type_1 + i, factors + 4 * i);
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1078,7 +1105,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1154,8 +1181,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1215,8 +1242,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

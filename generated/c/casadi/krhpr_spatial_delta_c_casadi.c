@@ -85,14 +85,27 @@
 #else
 static const krhpr_spatial_delta_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .r_g = 0.06, .L = 0.25, .R = 0.42, .a_1 = 0.0, .a_2 = 2.0943951023931953, .a_3 = 4.1887902047863905, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .g = {0.33499999999999996, 0.0, 0.04330127018922194, 0.245, 0.051961524227066326, 0.04330127018922194, 0.24499999999999997, -0.051961524227066305, 0.04330127018922194}, .x = {1.0, 0.0, 0.0, -0.4999999999999998, 0.8660254037844387, 0.0, -0.5000000000000004, -0.8660254037844384, 0.0}, .k = {0.17639999999999997, 0.0625, 4.0, 13.497462477054315, 9.523809523809524} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .r_g = 0.06, .L = 0.25, .R = 0.42, .a_1 = 0.0, .a_2 = 2.0943951023931953, .a_3 = 4.1887902047863905, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .g = {-0.16749999999999993, 0.29011851026778696, 0.04330127018922194, -0.16749999999999995, 0.18619546181365434, 0.04330127018922194, -0.07749999999999994, 0.2381569860407206, 0.04330127018922194}, .x = {-0.4999999999999998, 0.8660254037844387, 0.0, -0.5000000000000004, -0.8660254037844384, 0.0, 1.0, -6.890185696795332e-16, 0.0}, .k = {0.17639999999999997, 0.0625, 4.0, 13.497462477054315, 9.523809523809524} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .r_g = 0.06, .L = 0.25, .R = 0.42, .a_1 = 0.0, .a_2 = 2.0943951023931953, .a_3 = 4.1887902047863905, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .g = {-0.16750000000000012, -0.29011851026778684, 0.04330127018922194, -0.07750000000000011, -0.2381569860407206, 0.04330127018922194, -0.16750000000000007, -0.1861954618136542, 0.04330127018922194}, .x = {-0.5000000000000004, -0.8660254037844384, 0.0, 1.0, -6.890185696795332e-16, 0.0, -0.4999999999999992, 0.8660254037844392, 0.0}, .k = {0.17639999999999997, 0.0625, 4.0, 13.497462477054315, 9.523809523809524} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .r_g = {0.06, 0.06, 0.06, 0.06},
+        .L = {0.25, 0.25, 0.25, 0.25},
+        .R = {0.42, 0.42, 0.42, 0.42},
+        .a_1 = {0.0, 0.0, 0.0, 0.0},
+        .a_2 = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .a_3 = {4.1887902047863905, 4.1887902047863905, 4.1887902047863905, 4.1887902047863905},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .g = {{0.33499999999999996, -0.16749999999999993, -0.16750000000000012, -0.16750000000000012}, {0.0, 0.29011851026778696, -0.29011851026778684, -0.29011851026778684}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}, {0.245, -0.16749999999999995, -0.07750000000000011, -0.07750000000000011}, {0.051961524227066326, 0.18619546181365434, -0.2381569860407206, -0.2381569860407206}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}, {0.24499999999999997, -0.07749999999999994, -0.16750000000000007, -0.16750000000000007}, {-0.051961524227066305, 0.2381569860407206, -0.1861954618136542, -0.1861954618136542}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .x = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}, {0.0, 0.0, 0.0, 0.0}, {-0.4999999999999998, -0.5000000000000004, 1.0, 1.0}, {0.8660254037844387, -0.8660254037844384, -6.890185696795332e-16, -6.890185696795332e-16}, {0.0, 0.0, 0.0, 0.0}, {-0.5000000000000004, 1.0, -0.4999999999999992, -0.4999999999999992}, {-0.8660254037844384, -6.890185696795332e-16, 0.8660254037844392, 0.8660254037844392}, {0.0, 0.0, 0.0, 0.0}},
+        .k = {{0.17639999999999997, 0.17639999999999997, 0.17639999999999997, 0.17639999999999997}, {0.0625, 0.0625, 0.0625, 0.0625}, {4.0, 4.0, 4.0, 4.0}, {13.497462477054315, 13.497462477054315, 13.497462477054315, 13.497462477054315}, {9.523809523809524, 9.523809523809524, 9.523809523809524, 9.523809523809524}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .t = {1.0, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .t = {-0.4999999999999998, 0.8660254037844387} },
-        { .platform_azimuth = 4.1887902047863905, .t = {-0.5000000000000004, -0.8660254037844384} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .t = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}}
     }
 };
 
@@ -278,7 +291,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -316,7 +329,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_c_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -372,7 +385,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_delta_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+        krhpr_subleg_delta_forward_all_tangent(&geometry.subleg, i, theta + 3 * i, s + 6 * i, radicand);
     }
 }
 
@@ -408,7 +421,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_delta_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 24 * i);
+        krhpr_subleg_delta_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 24 * i);
     }
 }
 
@@ -448,8 +461,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual u[6];
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_jacobian_tangent(&geometry.subleg[i], w, b, M + 9 * i);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_jacobian_tangent(&geometry.subleg, i, w, b, M + 9 * i);
     }
 }
 
@@ -488,7 +501,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -532,9 +545,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual u[6];
-        krhpr_platform_spatial_c_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_project_tangent(&geometry.subleg[i], w, b, N, K + 6 * i);
+        krhpr_platform_spatial_c_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_project_tangent(&geometry.subleg, i, w, b, N, K + 6 * i);
     }
 }
 
@@ -580,9 +593,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual u[6];
-        krhpr_platform_spatial_c_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_project_tangent(&geometry.subleg[i], w, b, N, K + 6 * i);
+        krhpr_platform_spatial_c_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_project_tangent(&geometry.subleg, i, w, b, N, K + 6 * i);
     }
 }
 
@@ -628,8 +641,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_casadi_values(9, given + 15, mode);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_delta_inverse_tangent(&geometry.subleg[i], s, mode + 3 * i, theta + 3 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_delta_inverse_tangent(&geometry.subleg, i, s, mode + 3 * i, theta + 3 * i);
     }
 }
 
@@ -669,8 +682,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_delta_inverse_all_tangent(&geometry.subleg[i], s, theta + 24 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_delta_inverse_all_tangent(&geometry.subleg, i, s, theta + 24 * i);
     }
 }
 
@@ -745,9 +758,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u[6];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_velocity_tangent(&geometry.subleg[i], w, b, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_velocity_tangent(&geometry.subleg, i, w, b, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -797,9 +810,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[3];
         krhpr_dual u[6];
         krhpr_platform_spatial_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_rates_tangent(&geometry.subleg[i], w, b, s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_rates_tangent(&geometry.subleg, i, w, b, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -860,14 +873,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_delta_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_velocity_tangent(&geometry.subleg[i], w, b, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_velocity_tangent(&geometry.subleg, i, w, b, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -927,13 +940,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual b[3];
         krhpr_dual u[6];
         krhpr_platform_spatial_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_delta_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_rates_tangent(&geometry.subleg[i], w, b, along, theta_ddot + 3 * i);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_rates_tangent(&geometry.subleg, i, w, b, along, theta_ddot + 3 * i);
     }
 }
 
@@ -987,10 +1000,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u[6];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_passive_tangent(&geometry.subleg[i], w, u, passive + 6 * i, link);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_passive_tangent(&geometry.subleg, i, w, u, passive + 6 * i, link);
         krhpr_platform_spatial_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -1040,9 +1053,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual u[6];
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_points_tangent(&geometry.subleg[i], w, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_points_tangent(&geometry.subleg, i, w, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform, i, s + 3 * i, attachment + 3 * i);
     }
 }
 
@@ -1097,10 +1110,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[3];
         krhpr_dual u[6];
         krhpr_dual N[6];
-        krhpr_subleg_delta_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b, u);
-        krhpr_subleg_delta_determinant_tangent(&geometry.subleg[i], w, b, type_1 + i, factors + 4 * i);
+        krhpr_subleg_delta_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, u);
+        krhpr_subleg_delta_determinant_tangent(&geometry.subleg, i, w, b, type_1 + i, factors + 4 * i);
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1148,7 +1161,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1194,7 +1207,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes_tangent(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1274,7 +1287,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders_tangent(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1330,7 +1343,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders_tangent(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

@@ -83,14 +83,28 @@
 #else
 static const krhpr_spatial_p_fivebar_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, 0.25, 0.0, 0.0} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, -0.12499999999999994, 0.21650635094610968, 0.0} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, -0.1250000000000001, -0.2165063509461096, 0.0} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .l_2 = {0.15, 0.15, 0.15, 0.15},
+        .l_3 = {0.28, 0.28, 0.28, 0.28},
+        .l_4 = {0.3, 0.3, 0.3, 0.3},
+        .l_5 = {0.45, 0.45, 0.45, 0.45},
+        .l_6 = {0.3, 0.3, 0.3, 0.3},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .k = {{0.07840000000000001, 0.07840000000000001, 0.07840000000000001, 0.07840000000000001}, {0.022500000000000006, 0.022500000000000006, 0.022500000000000006, 0.022500000000000006}, {-1.9999999999999996, -1.9999999999999996, -1.9999999999999996, -1.9999999999999996}, {0.0, 0.0, 0.0, 0.0}, {0.36, 0.36, 0.36, 0.36}, {0.09, 0.09, 0.09, 0.09}, {0.09, 0.09, 0.09, 0.09}, {-0.5000000000000001, -0.5000000000000001, -0.5000000000000001, -0.5000000000000001}, {0.01690000000000001, 0.01690000000000001, 0.01690000000000001, 0.01690000000000001}, {0.1849, 0.1849, 0.1849, 0.1849}, {0.0225, 0.0225, 0.0225, 0.0225}, {0.13000000000000003, 0.13000000000000003, 0.13000000000000003, 0.13000000000000003}, {0.0, 0.0, 0.0, 0.0}, {1.5, 1.5, 1.5, 1.5}, {11.904761904761903, 11.904761904761903, 11.904761904761903, 11.904761904761903}, {11.111111111111112, 11.111111111111112, 11.111111111111112, 11.111111111111112}, {23.809523809523807, 23.809523809523807, 23.809523809523807, 23.809523809523807}, {3.3333333333333335, 3.3333333333333335, 3.3333333333333335, 3.3333333333333335}, {-0.5000000000000001, -0.5000000000000001, -0.5000000000000001, -0.5000000000000001}, {0.25, -0.12499999999999994, -0.1250000000000001, -0.1250000000000001}, {0.0, 0.21650635094610968, -0.2165063509461096, -0.2165063509461096}, {0.0, 0.0, 0.0, 0.0}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0, 0.05, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0, -0.02499999999999999, 0.04330127018922194} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0, -0.025000000000000022, -0.043301270189221926} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}},
+        .b = {{0.125, -0.06249999999999997, -0.06250000000000006, -0.06250000000000006}, {0.0, 0.10825317547305484, -0.1082531754730548, -0.1082531754730548}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {0.05, -0.02499999999999999, -0.025000000000000022, -0.025000000000000022}, {0.0, 0.04330127018922194, -0.043301270189221926, -0.043301270189221926}}
     }
 };
 
@@ -291,7 +305,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -329,7 +343,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -369,7 +383,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_p_fivebar_forward_tangent(
-            &geometry.subleg[i], theta + 3 * i, assembly + i, s + 3 * i, radicand);
+            &geometry.subleg, i, theta + 3 * i, assembly + i, s + 3 * i, radicand);
     }
 }
 
@@ -405,7 +419,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_p_fivebar_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+        krhpr_subleg_p_fivebar_forward_all_tangent(&geometry.subleg, i, theta + 3 * i, s + 6 * i, radicand);
     }
 }
 
@@ -441,7 +455,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 12 * i);
+        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 12 * i);
     }
 }
 
@@ -481,8 +495,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_jacobian_tangent(&geometry.subleg[i], d, u_1, u_2, M + 9 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_jacobian_tangent(&geometry.subleg, i, d, u_1, u_2, M + 9 * i);
     }
 }
 
@@ -521,7 +535,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -565,9 +579,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg[i], d, u_1, u_2, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg, i, d, u_1, u_2, N, K + 6 * i);
     }
 }
 
@@ -613,9 +627,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg[i], d, u_1, u_2, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg, i, d, u_1, u_2, N, K + 6 * i);
     }
 }
 
@@ -661,8 +675,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_casadi_values(6, given + 15, mode);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_p_fivebar_inverse_tangent(&geometry.subleg[i], s, mode + 2 * i, theta + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_p_fivebar_inverse_tangent(&geometry.subleg, i, s, mode + 2 * i, theta + 3 * i);
     }
 }
 
@@ -702,8 +716,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg[i], s, theta + 12 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg, i, s, theta + 12 * i);
     }
 }
 
@@ -778,9 +792,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg[i], d, u_1, u_2, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg, i, d, u_1, u_2, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -830,9 +844,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_platform_spatial_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg[i], d, u_1, u_2, s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -893,14 +907,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_p_fivebar_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg[i], d, u_1, u_2, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg, i, d, u_1, u_2, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -960,13 +974,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_platform_spatial_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_p_fivebar_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg[i], d, u_1, u_2, along, theta_ddot + 3 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i);
     }
 }
 
@@ -1020,10 +1034,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_passive_tangent(&geometry.subleg[i], d, u_1, u_2, passive + 3 * i, link);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_passive_tangent(&geometry.subleg, i, d, u_1, u_2, passive + 3 * i, link);
         krhpr_platform_spatial_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -1075,9 +1089,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_points_tangent(&geometry.subleg[i], d, u_1, u_2, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_points_tangent(&geometry.subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 3 * i);
     }
 }
 
@@ -1132,11 +1146,11 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_dual N[6];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_determinant_tangent(
-            &geometry.subleg[i], d, u_1, u_2, type_1 + i, factors + 3 * i);
+            &geometry.subleg, i, d, u_1, u_2, type_1 + i, factors + 3 * i);
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1184,7 +1198,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1260,8 +1274,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1321,8 +1335,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

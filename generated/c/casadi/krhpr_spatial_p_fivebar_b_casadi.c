@@ -85,14 +85,28 @@
 #else
 static const krhpr_spatial_p_fivebar_b_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, 0.25, 0.0, 0.0} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, -0.12499999999999994, 0.21650635094610968, 0.0} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.15, .l_3 = 0.28, .l_4 = 0.3, .l_5 = 0.45, .l_6 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.07840000000000001, 0.022500000000000006, -1.9999999999999996, 0.0, 0.36, 0.09, 0.09, -0.5000000000000001, 0.01690000000000001, 0.1849, 0.0225, 0.13000000000000003, 0.0, 1.5, 11.904761904761903, 11.111111111111112, 23.809523809523807, 3.3333333333333335, -0.5000000000000001, -0.1250000000000001, -0.2165063509461096, 0.0} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .l_2 = {0.15, 0.15, 0.15, 0.15},
+        .l_3 = {0.28, 0.28, 0.28, 0.28},
+        .l_4 = {0.3, 0.3, 0.3, 0.3},
+        .l_5 = {0.45, 0.45, 0.45, 0.45},
+        .l_6 = {0.3, 0.3, 0.3, 0.3},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .k = {{0.07840000000000001, 0.07840000000000001, 0.07840000000000001, 0.07840000000000001}, {0.022500000000000006, 0.022500000000000006, 0.022500000000000006, 0.022500000000000006}, {-1.9999999999999996, -1.9999999999999996, -1.9999999999999996, -1.9999999999999996}, {0.0, 0.0, 0.0, 0.0}, {0.36, 0.36, 0.36, 0.36}, {0.09, 0.09, 0.09, 0.09}, {0.09, 0.09, 0.09, 0.09}, {-0.5000000000000001, -0.5000000000000001, -0.5000000000000001, -0.5000000000000001}, {0.01690000000000001, 0.01690000000000001, 0.01690000000000001, 0.01690000000000001}, {0.1849, 0.1849, 0.1849, 0.1849}, {0.0225, 0.0225, 0.0225, 0.0225}, {0.13000000000000003, 0.13000000000000003, 0.13000000000000003, 0.13000000000000003}, {0.0, 0.0, 0.0, 0.0}, {1.5, 1.5, 1.5, 1.5}, {11.904761904761903, 11.904761904761903, 11.904761904761903, 11.904761904761903}, {11.111111111111112, 11.111111111111112, 11.111111111111112, 11.111111111111112}, {23.809523809523807, 23.809523809523807, 23.809523809523807, 23.809523809523807}, {3.3333333333333335, 3.3333333333333335, 3.3333333333333335, 3.3333333333333335}, {-0.5000000000000001, -0.5000000000000001, -0.5000000000000001, -0.5000000000000001}, {0.25, -0.12499999999999994, -0.1250000000000001, -0.1250000000000001}, {0.0, 0.21650635094610968, -0.2165063509461096, -0.2165063509461096}, {0.0, 0.0, 0.0, 0.0}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .t = {0.0, 1.0}, .m = {0.075, 0.0}, .k = {0.0, 0.0, 0.075, 0.0, 0.075, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .t = {-0.8660254037844387, -0.4999999999999998}, .m = {-0.037499999999999985, 0.0649519052838329}, .k = {0.03247595264191644, -0.03247595264191644, 0.018749999999999985, -0.056250000000000015, 0.075, 0.0} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .t = {0.8660254037844384, -0.5000000000000004}, .m = {-0.037500000000000026, -0.06495190528383288}, .k = {-0.03247595264191647, 0.03247595264191647, 0.01875000000000003, -0.05624999999999997, 0.075, 0.0} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}},
+        .m = {{0.075, -0.037499999999999985, -0.037500000000000026, -0.037500000000000026}, {0.0, 0.0649519052838329, -0.06495190528383288, -0.06495190528383288}},
+        .k = {{0.0, 0.03247595264191644, -0.03247595264191647, -0.03247595264191647}, {0.0, -0.03247595264191644, 0.03247595264191647, 0.03247595264191647}, {0.075, 0.018749999999999985, 0.01875000000000003, 0.01875000000000003}, {0.0, -0.056250000000000015, -0.05624999999999997, -0.05624999999999997}, {0.075, 0.075, 0.075, 0.075}, {0.0, 0.0, 0.0, 0.0}}
     }
 };
 
@@ -294,7 +308,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_b_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -332,7 +346,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_b_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -372,7 +386,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_p_fivebar_forward_tangent(
-            &geometry.subleg[i], theta + 3 * i, assembly + i, s + 3 * i, radicand);
+            &geometry.subleg, i, theta + 3 * i, assembly + i, s + 3 * i, radicand);
     }
 }
 
@@ -408,7 +422,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_p_fivebar_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+        krhpr_subleg_p_fivebar_forward_all_tangent(&geometry.subleg, i, theta + 3 * i, s + 6 * i, radicand);
     }
 }
 
@@ -444,7 +458,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 12 * i);
+        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 12 * i);
     }
 }
 
@@ -484,8 +498,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_jacobian_tangent(&geometry.subleg[i], d, u_1, u_2, M + 9 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_jacobian_tangent(&geometry.subleg, i, d, u_1, u_2, M + 9 * i);
     }
 }
 
@@ -524,7 +538,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_b_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -568,9 +582,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_platform_spatial_b_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg[i], d, u_1, u_2, N, K + 6 * i);
+        krhpr_platform_spatial_b_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg, i, d, u_1, u_2, N, K + 6 * i);
     }
 }
 
@@ -616,9 +630,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_platform_spatial_b_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg[i], d, u_1, u_2, N, K + 6 * i);
+        krhpr_platform_spatial_b_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_project_tangent(&geometry.subleg, i, d, u_1, u_2, N, K + 6 * i);
     }
 }
 
@@ -664,8 +678,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_casadi_values(6, given + 15, mode);
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_b_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_p_fivebar_inverse_tangent(&geometry.subleg[i], s, mode + 2 * i, theta + 3 * i);
+        krhpr_platform_spatial_b_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_p_fivebar_inverse_tangent(&geometry.subleg, i, s, mode + 2 * i, theta + 3 * i);
     }
 }
 
@@ -705,8 +719,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_b_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg[i], s, theta + 12 * i);
+        krhpr_platform_spatial_b_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_p_fivebar_inverse_all_tangent(&geometry.subleg, i, s, theta + 12 * i);
     }
 }
 
@@ -781,9 +795,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_b_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg[i], d, u_1, u_2, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg, i, d, u_1, u_2, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -833,9 +847,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_platform_spatial_b_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg[i], d, u_1, u_2, s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -896,14 +910,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_b_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_p_fivebar_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg[i], d, u_1, u_2, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_velocity_tangent(&geometry.subleg, i, d, u_1, u_2, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_b_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_b_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -963,13 +977,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_platform_spatial_b_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_p_fivebar_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg[i], d, u_1, u_2, along, theta_ddot + 3 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_rates_tangent(&geometry.subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i);
     }
 }
 
@@ -1023,10 +1037,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_2[2];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_passive_tangent(&geometry.subleg[i], d, u_1, u_2, passive + 3 * i, link);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_passive_tangent(&geometry.subleg, i, d, u_1, u_2, passive + 3 * i, link);
         krhpr_platform_spatial_b_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -1077,9 +1091,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[2];
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_points_tangent(&geometry.subleg[i], d, u_1, u_2, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_b_attachment_tangent(&geometry.platform[i], Q, s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_points_tangent(&geometry.subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_b_attachment_tangent(&geometry.platform, i, Q, s + 3 * i, attachment + 3 * i);
     }
 }
 
@@ -1134,11 +1148,11 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual u_1[2];
         krhpr_dual u_2[2];
         krhpr_dual N[6];
-        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_determinant_tangent(
-            &geometry.subleg[i], d, u_1, u_2, type_1 + i, factors + 3 * i);
+            &geometry.subleg, i, d, u_1, u_2, type_1 + i, factors + 3 * i);
         krhpr_platform_spatial_b_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1186,7 +1200,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_b_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_b_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1234,7 +1248,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_assembly_modes_tangent(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1294,8 +1308,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_p_fivebar_forward_tangent(
-            &geometry.subleg[i], theta + 3 * i, assembly + i, s + 3 * i, radicand);
-        krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+            &geometry.subleg, i, theta + 3 * i, assembly + i, s + 3 * i, radicand);
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_assembly_mode_tangent(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1355,7 +1369,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_two_encoders_tangent(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1414,7 +1428,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie_tangent(&geometry.platform[i], slide + 2 * i, distance + i, start + i);
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance + i, start + i);
     }
     krhpr_platform_spatial_b_three_encoders_tangent(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

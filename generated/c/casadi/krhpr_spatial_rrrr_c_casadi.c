@@ -85,14 +85,21 @@
 #else
 static const krhpr_spatial_rrrr_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {3.3333333333333335, 0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 0.135, 7.407407407407407, 1.3333333333333333, 2.2222222222222223, 0.25, 0.0, 0.0} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {3.3333333333333335, 0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 0.135, 7.407407407407407, 1.3333333333333333, 2.2222222222222223, -0.12499999999999994, 0.21650635094610968, 0.0} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.45, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {3.3333333333333335, 0.022500000000000006, 0.5625, 0.09, 0.2025, 0.15000000000000002, 0.135, 7.407407407407407, 1.3333333333333333, 2.2222222222222223, -0.1250000000000001, -0.2165063509461096, 0.0} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .l_2 = {0.3, 0.3, 0.3, 0.3},
+        .l_3 = {0.45, 0.45, 0.45, 0.45},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .k = {{3.3333333333333335, 3.3333333333333335, 3.3333333333333335, 3.3333333333333335}, {0.022500000000000006, 0.022500000000000006, 0.022500000000000006, 0.022500000000000006}, {0.5625, 0.5625, 0.5625, 0.5625}, {0.09, 0.09, 0.09, 0.09}, {0.2025, 0.2025, 0.2025, 0.2025}, {0.15000000000000002, 0.15000000000000002, 0.15000000000000002, 0.15000000000000002}, {0.135, 0.135, 0.135, 0.135}, {7.407407407407407, 7.407407407407407, 7.407407407407407, 7.407407407407407}, {1.3333333333333333, 1.3333333333333333, 1.3333333333333333, 1.3333333333333333}, {2.2222222222222223, 2.2222222222222223, 2.2222222222222223, 2.2222222222222223}, {0.25, -0.12499999999999994, -0.1250000000000001, -0.1250000000000001}, {0.0, 0.21650635094610968, -0.2165063509461096, -0.2165063509461096}, {0.0, 0.0, 0.0, 0.0}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .t = {1.0, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .t = {-0.4999999999999998, 0.8660254037844387} },
-        { .platform_azimuth = 4.1887902047863905, .t = {-0.5000000000000004, -0.8660254037844384} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .t = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}}
     }
 };
 
@@ -316,7 +323,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -354,7 +361,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_c_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -390,7 +397,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward_tangent(&geometry.subleg[i], theta + 4 * i, s + 3 * i);
+        krhpr_subleg_rrrr_forward_tangent(&geometry.subleg, i, theta + 4 * i, s + 3 * i);
     }
 }
 
@@ -427,7 +434,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
         krhpr_subleg_rrrr_inverse_all_tangent(
-            &geometry.subleg[i], s + 3 * i, swivel + i, theta + 16 * i, radicand);
+            &geometry.subleg, i, s + 3 * i, swivel + i, theta + 16 * i, radicand);
     }
 }
 
@@ -470,8 +477,8 @@ static void tangent_swivel(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[3];
         krhpr_dual v[3];
         krhpr_dual e_4[3];
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_swivel_tangent(&geometry.subleg[i], d, v, swivel + i);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_swivel_tangent(&geometry.subleg, i, d, v, swivel + i);
     }
 }
 
@@ -512,8 +519,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[3];
         krhpr_dual v[3];
         krhpr_dual e_4[3];
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_jacobian_tangent(&geometry.subleg[i], x, e_2, d, v, e_4, M + 12 * i);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_jacobian_tangent(&geometry.subleg, i, x, e_2, d, v, e_4, M + 12 * i);
     }
 }
 
@@ -552,7 +559,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -598,9 +605,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[3];
         krhpr_dual v[3];
         krhpr_dual e_4[3];
-        krhpr_platform_spatial_c_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project_tangent(&geometry.subleg[i], x, e_2, d, v, e_4, N, K + 8 * i);
+        krhpr_platform_spatial_c_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_project_tangent(&geometry.subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
     }
 }
 
@@ -648,9 +655,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[3];
         krhpr_dual v[3];
         krhpr_dual e_4[3];
-        krhpr_platform_spatial_c_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project_tangent(&geometry.subleg[i], x, e_2, d, v, e_4, N, K + 8 * i);
+        krhpr_platform_spatial_c_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_project_tangent(&geometry.subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
     }
 }
 
@@ -698,9 +705,9 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
         krhpr_dual radicand[1];
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
         krhpr_subleg_rrrr_inverse_tangent(
-            &geometry.subleg[i], s, mode + 2 * i, swivel + i, theta + 4 * i, radicand);
+            &geometry.subleg, i, s, mode + 2 * i, swivel + i, theta + 4 * i, radicand);
     }
 }
 
@@ -743,8 +750,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
         krhpr_dual radicand[1];
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_rrrr_inverse_all_tangent(&geometry.subleg[i], s, swivel + i, theta + 16 * i, radicand);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_rrrr_inverse_all_tangent(&geometry.subleg, i, s, swivel + i, theta + 16 * i, radicand);
     }
 }
 
@@ -824,9 +831,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual e_4[3];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity_tangent(&geometry.subleg[i], x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_velocity_tangent(&geometry.subleg, i, x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -879,10 +886,10 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual v[3];
         krhpr_dual e_4[3];
         krhpr_platform_spatial_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_rates_tangent(
-            &geometry.subleg[i], x, e_2, d, v, e_4, s_dot, swivel_rates + i, theta_dot + 4 * i);
+            &geometry.subleg, i, x, e_2, d, v, e_4, s_dot, swivel_rates + i, theta_dot + 4 * i);
     }
 }
 
@@ -947,14 +954,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrrr_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 4 * i, theta_dot + 4 * i, s_dot, bias, swivel_bias);
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity_tangent(&geometry.subleg[i], x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 4 * i, theta_dot + 4 * i, s_dot, bias, swivel_bias);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_velocity_tangent(&geometry.subleg, i, x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -1019,15 +1026,15 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual v[3];
         krhpr_dual e_4[3];
         krhpr_platform_spatial_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_rrrr_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 4 * i, theta_dot + 4 * i, s_dot_again, bias, swivel_bias);
+            &geometry.subleg, i, s + 3 * i, theta + 4 * i, theta_dot + 4 * i, s_dot_again, bias, swivel_bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
         krhpr_subleg_rrrr_swivel_difference_tangent(swivel_accelerations + i, swivel_bias, swivel_along);
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_rates_tangent(
-            &geometry.subleg[i], x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i);
+            &geometry.subleg, i, x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i);
     }
 }
 
@@ -1083,10 +1090,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual e_4[3];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_passive_tangent(&geometry.subleg[i], x, e_2, v, e_4, link);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_passive_tangent(&geometry.subleg, i, x, e_2, v, e_4, link);
         krhpr_platform_spatial_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -1137,9 +1144,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual d[3];
         krhpr_dual v[3];
         krhpr_dual e_4[3];
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_points_tangent(&geometry.subleg[i], x, e_2, v, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_points_tangent(&geometry.subleg, i, x, e_2, v, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform, i, s + 3 * i, attachment + 3 * i);
     }
 }
 
@@ -1196,10 +1203,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual v[3];
         krhpr_dual e_4[3];
         krhpr_dual N[6];
-        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_determinant_tangent(&geometry.subleg[i], d, v, e_4, type_1 + i, factors + 4 * i);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_determinant_tangent(&geometry.subleg, i, d, v, e_4, type_1 + i, factors + 4 * i);
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1247,7 +1254,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1293,7 +1300,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes_tangent(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1347,8 +1354,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual assembly_radicand[1];
     krhpr_dual sign[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward_tangent(&geometry.subleg[i], theta + 4 * i, s + 3 * i);
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_subleg_rrrr_forward_tangent(&geometry.subleg, i, theta + 4 * i, s + 3 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode_tangent(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1403,7 +1410,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders_tangent(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1459,7 +1466,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders_tangent(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

@@ -81,14 +81,25 @@
 #else
 static const krhpr_spatial_tripteron_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.0, 0.36, 0.0, 123.45679012345681, 0.09, 0.09, 2.777777777777778, 0.2499999999999999, 0.0, 0.0, 0.5, 0.43301270189221935, -0.43301270189221935, 0.0, 0.2499999999999999} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.0, 0.36, 0.0, 123.45679012345681, 0.09, 0.09, 2.777777777777778, -0.1249999999999999, -0.43301270189221935, 0.2165063509461096, -0.2499999999999999, 0.43301270189221935, 0.2165063509461096, -0.3750000000000001, 0.2499999999999999} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.0, 0.36, 0.0, 123.45679012345681, 0.09, 0.09, 2.777777777777778, -0.12500000000000006, 0.4330127018922192, -0.2165063509461095, -0.2500000000000002, 0.43301270189221935, 0.21650635094610987, 0.37499999999999994, 0.2499999999999999} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .l_2 = {0.3, 0.3, 0.3, 0.3},
+        .l_3 = {0.3, 0.3, 0.3, 0.3},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .k = {{0.0, 0.0, 0.0, 0.0}, {0.36, 0.36, 0.36, 0.36}, {0.0, 0.0, 0.0, 0.0}, {123.45679012345681, 123.45679012345681, 123.45679012345681, 123.45679012345681}, {0.09, 0.09, 0.09, 0.09}, {0.09, 0.09, 0.09, 0.09}, {2.777777777777778, 2.777777777777778, 2.777777777777778, 2.777777777777778}, {0.2499999999999999, -0.1249999999999999, -0.12500000000000006, -0.12500000000000006}, {0.0, -0.43301270189221935, 0.4330127018922192, 0.4330127018922192}, {0.0, 0.2165063509461096, -0.2165063509461095, -0.2165063509461095}, {0.5, -0.2499999999999999, -0.2500000000000002, -0.2500000000000002}, {0.43301270189221935, 0.43301270189221935, 0.43301270189221935, 0.43301270189221935}, {-0.43301270189221935, 0.2165063509461096, 0.21650635094610987, 0.21650635094610987}, {0.0, -0.3750000000000001, 0.37499999999999994, 0.37499999999999994}, {0.2499999999999999, 0.2499999999999999, 0.2499999999999999, 0.2499999999999999}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0, 0.05, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0, -0.02499999999999999, 0.04330127018922194} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0, -0.025000000000000022, -0.043301270189221926} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}},
+        .b = {{0.125, -0.06249999999999997, -0.06250000000000006, -0.06250000000000006}, {0.0, 0.10825317547305484, -0.1082531754730548, -0.1082531754730548}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {0.05, -0.02499999999999999, -0.025000000000000022, -0.025000000000000022}, {0.0, 0.04330127018922194, -0.043301270189221926, -0.043301270189221926}}
     }
 };
 
@@ -255,7 +266,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -293,7 +304,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -329,7 +340,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 3 * i);
+        krhpr_subleg_tripteron_forward_tangent(&geometry.subleg, i, theta + 3 * i, s + 3 * i);
     }
 }
 
@@ -363,7 +374,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i);
+        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i);
     }
 }
 
@@ -422,7 +433,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -462,8 +473,8 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const K = found + 36;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[6];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_project_tangent(&geometry.subleg[i], N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_tripteron_project_tangent(&geometry.subleg, i, N, K + 6 * i);
     }
 }
 
@@ -505,8 +516,8 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const K = found + 36;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[6];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_project_tangent(&geometry.subleg[i], N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_tripteron_project_tangent(&geometry.subleg, i, N, K + 6 * i);
     }
 }
 
@@ -550,8 +561,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_tripteron_inverse_tangent(&geometry.subleg[i], s, theta + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_tripteron_inverse_tangent(&geometry.subleg, i, s, theta + 3 * i);
     }
 }
 
@@ -590,8 +601,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg[i], s, theta + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg, i, s, theta + 3 * i);
     }
 }
 
@@ -661,8 +672,8 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual scale[2];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg[i], theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg, i, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -708,8 +719,8 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg[i], s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg, i, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -767,13 +778,13 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_tripteron_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg[i], theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg, i, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -830,12 +841,12 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual bias[3];
         krhpr_dual along[3];
         krhpr_platform_spatial_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_tripteron_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg[i], along, theta_ddot + 3 * i);
+        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg, i, along, theta_ddot + 3 * i);
     }
 }
 
@@ -887,10 +898,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual rho[3];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_passive_tangent(&geometry.subleg[i], rho, passive + 6 * i, link);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_passive_tangent(&geometry.subleg, i, rho, passive + 6 * i, link);
         krhpr_platform_spatial_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -940,9 +951,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const attachment = found + 72;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual rho[3];
-        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points_tangent(&geometry.subleg[i], rho, s + 3 * i, points + 24 * i);
-        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_points_tangent(&geometry.subleg, i, rho, s + 3 * i, points + 24 * i);
+        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 3 * i);
     }
 }
 
@@ -995,10 +1006,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual rho[3];
         krhpr_dual N[6];
-        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_determinant_tangent(&geometry.subleg[i], rho, type_1 + i, factors + 3 * i);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_determinant_tangent(&geometry.subleg, i, rho, type_1 + i, factors + 3 * i);
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1046,7 +1057,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1122,8 +1133,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1183,8 +1194,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

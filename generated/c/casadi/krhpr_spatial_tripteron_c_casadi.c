@@ -83,14 +83,21 @@
 #else
 static const krhpr_spatial_tripteron_c_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .k = {0.0, 0.36, 0.0, 123.45679012345681, 0.09, 0.09, 2.777777777777778, 0.2499999999999999, 0.0, 0.0, 0.5, 0.43301270189221935, -0.43301270189221935, 0.0, 0.2499999999999999} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .k = {0.0, 0.36, 0.0, 123.45679012345681, 0.09, 0.09, 2.777777777777778, -0.1249999999999999, -0.43301270189221935, 0.2165063509461096, -0.2499999999999999, 0.43301270189221935, 0.2165063509461096, -0.3750000000000001, 0.2499999999999999} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .l_2 = 0.3, .l_3 = 0.3, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .k = {0.0, 0.36, 0.0, 123.45679012345681, 0.09, 0.09, 2.777777777777778, -0.12500000000000006, 0.4330127018922192, -0.2165063509461095, -0.2500000000000002, 0.43301270189221935, 0.21650635094610987, 0.37499999999999994, 0.2499999999999999} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .l_2 = {0.3, 0.3, 0.3, 0.3},
+        .l_3 = {0.3, 0.3, 0.3, 0.3},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .k = {{0.0, 0.0, 0.0, 0.0}, {0.36, 0.36, 0.36, 0.36}, {0.0, 0.0, 0.0, 0.0}, {123.45679012345681, 123.45679012345681, 123.45679012345681, 123.45679012345681}, {0.09, 0.09, 0.09, 0.09}, {0.09, 0.09, 0.09, 0.09}, {2.777777777777778, 2.777777777777778, 2.777777777777778, 2.777777777777778}, {0.2499999999999999, -0.1249999999999999, -0.12500000000000006, -0.12500000000000006}, {0.0, -0.43301270189221935, 0.4330127018922192, 0.4330127018922192}, {0.0, 0.2165063509461096, -0.2165063509461095, -0.2165063509461095}, {0.5, -0.2499999999999999, -0.2500000000000002, -0.2500000000000002}, {0.43301270189221935, 0.43301270189221935, 0.43301270189221935, 0.43301270189221935}, {-0.43301270189221935, 0.2165063509461096, 0.21650635094610987, 0.21650635094610987}, {0.0, -0.3750000000000001, 0.37499999999999994, 0.37499999999999994}, {0.2499999999999999, 0.2499999999999999, 0.2499999999999999, 0.2499999999999999}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .t = {1.0, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .t = {-0.4999999999999998, 0.8660254037844387} },
-        { .platform_azimuth = 4.1887902047863905, .t = {-0.5000000000000004, -0.8660254037844384} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .t = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}}
     }
 };
 
@@ -250,7 +257,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -288,7 +295,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_c_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -324,7 +331,7 @@ static void tangent_subleg_forward(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const theta = given;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 3 * i);
+        krhpr_subleg_tripteron_forward_tangent(&geometry.subleg, i, theta + 3 * i, s + 3 * i);
     }
 }
 
@@ -358,7 +365,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given;
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i);
+        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i);
     }
 }
 
@@ -417,7 +424,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_c_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -457,8 +464,8 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const K = found + 36;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[6];
-        krhpr_platform_spatial_c_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_project_tangent(&geometry.subleg[i], N, K + 6 * i);
+        krhpr_platform_spatial_c_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_tripteron_project_tangent(&geometry.subleg, i, N, K + 6 * i);
     }
 }
 
@@ -500,8 +507,8 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const K = found + 36;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual N[6];
-        krhpr_platform_spatial_c_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_project_tangent(&geometry.subleg[i], N, K + 6 * i);
+        krhpr_platform_spatial_c_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_tripteron_project_tangent(&geometry.subleg, i, N, K + 6 * i);
     }
 }
 
@@ -545,8 +552,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_tripteron_inverse_tangent(&geometry.subleg[i], s, theta + 3 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_tripteron_inverse_tangent(&geometry.subleg, i, s, theta + 3 * i);
     }
 }
 
@@ -585,8 +592,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
-        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg[i], s, theta + 3 * i);
+        krhpr_platform_spatial_c_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_tripteron_inverse_all_tangent(&geometry.subleg, i, s, theta + 3 * i);
     }
 }
 
@@ -656,8 +663,8 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual scale[2];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg[i], theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg, i, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -703,8 +710,8 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_c_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg[i], s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg, i, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -762,13 +769,13 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_tripteron_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg[i], theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_tripteron_velocity_tangent(&geometry.subleg, i, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_c_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -825,12 +832,12 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual bias[3];
         krhpr_dual along[3];
         krhpr_platform_spatial_c_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_tripteron_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg[i], along, theta_ddot + 3 * i);
+        krhpr_subleg_tripteron_rates_tangent(&geometry.subleg, i, along, theta_ddot + 3 * i);
     }
 }
 
@@ -882,10 +889,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual rho[3];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_passive_tangent(&geometry.subleg[i], rho, passive + 6 * i, link);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_passive_tangent(&geometry.subleg, i, rho, passive + 6 * i, link);
         krhpr_platform_spatial_c_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -933,9 +940,9 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const attachment = found + 72;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual rho[3];
-        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points_tangent(&geometry.subleg[i], rho, s + 3 * i, points + 24 * i);
-        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform[i], s + 3 * i, attachment + 3 * i);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_points_tangent(&geometry.subleg, i, rho, s + 3 * i, points + 24 * i);
+        krhpr_platform_spatial_c_attachment_tangent(&geometry.platform, i, s + 3 * i, attachment + 3 * i);
     }
 }
 
@@ -988,10 +995,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual rho[3];
         krhpr_dual N[6];
-        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_determinant_tangent(&geometry.subleg[i], rho, type_1 + i, factors + 3 * i);
+        krhpr_subleg_tripteron_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_determinant_tangent(&geometry.subleg, i, rho, type_1 + i, factors + 3 * i);
         krhpr_platform_spatial_c_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1039,7 +1046,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1085,7 +1092,7 @@ static void tangent_forward_all(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual breadth[1];
     krhpr_dual radicand[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes_tangent(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1139,8 +1146,8 @@ static void tangent_forward(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual assembly_radicand[1];
     krhpr_dual sign[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward_tangent(&geometry.subleg[i], theta + 3 * i, s + 3 * i);
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_subleg_tripteron_forward_tangent(&geometry.subleg, i, theta + 3 * i, s + 3 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_mode_tangent(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1195,7 +1202,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders_tangent(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1251,7 +1258,7 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual linear[6];
     krhpr_dual direction[1];
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie_tangent(&geometry.platform[i], slide + 2 * i);
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders_tangent(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

@@ -83,14 +83,28 @@
 #else
 static const krhpr_spatial_ups3_a_geometry geometry = {
     .subleg = {
-        { .azimuth = 0.0, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .r_g = 0.12, .a_1 = 0.0, .a_2 = 2.0943951023931953, .a_3 = 4.1887902047863905, .c = {0.27499999999999997, 0.0, 0.04330127018922194}, .e_x = {-0.8660254037844387, 0.0, 0.4999999999999998}, .e_1 = {0.4999999999999998, 0.0, 0.8660254037844387}, .e_t = {0.0, 1.0, 0.0}, .g = {0.39499999999999996, 0.0, 0.04330127018922194, 0.21500000000000002, 0.10392304845413265, 0.04330127018922194, 0.21499999999999994, -0.10392304845413261, 0.04330127018922194}, .k = {0.0, 0.037412297443487744, 0.021599999999999994, 0.021600000000000005, -0.0038879999999999987, -0.003888, 714.4490169181528, 0.006734213539827796, -0.006734213539827793, 578.7037037037038, 8.333333333333334} },
-        { .azimuth = 2.0943951023931953, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .r_g = 0.12, .a_1 = 0.0, .a_2 = 2.0943951023931953, .a_3 = 4.1887902047863905, .c = {-0.13749999999999993, 0.23815698604072066, 0.04330127018922194}, .e_x = {0.4330127018922192, -0.7500000000000002, 0.4999999999999998}, .e_1 = {-0.2499999999999998, 0.4330127018922192, 0.8660254037844387}, .e_t = {-0.8660254037844387, -0.4999999999999998, 0.0}, .g = {-0.19749999999999993, 0.3420800344948533, 0.04330127018922194, -0.19749999999999998, 0.13423393758658805, 0.04330127018922194, -0.017499999999999946, 0.23815698604072058, 0.04330127018922194}, .k = {0.0, 0.037412297443487744, 0.021599999999999994, 0.021600000000000005, -0.003888000000000003, 0.007775999999999998, 714.4490169181528, -0.006734213539827793, -2.678904198914025e-18, 578.7037037037038, 8.333333333333334} },
-        { .azimuth = 4.1887902047863905, .R_b = 0.25, .alpha = 2.0943951023931953, .l_1 = 0.05, .r_g = 0.12, .a_1 = 0.0, .a_2 = 2.0943951023931953, .a_3 = 4.1887902047863905, .c = {-0.1375000000000001, -0.23815698604072055, 0.04330127018922194}, .e_x = {0.43301270189221974, 0.7499999999999999, 0.4999999999999998}, .e_1 = {-0.2500000000000001, -0.433012701892219, 0.8660254037844387}, .e_t = {0.8660254037844384, -0.5000000000000004, 0.0}, .g = {-0.19750000000000015, -0.34208003449485314, 0.04330127018922194, -0.01750000000000011, -0.23815698604072064, 0.04330127018922194, -0.1975, -0.13423393758658786, 0.04330127018922194}, .k = {0.0, 0.037412297443487744, 0.021599999999999994, 0.021600000000000005, 0.007776, -0.0038879999999999956, 714.4490169181528, -5.3578083978280504e-18, 0.006734213539827796, 578.7037037037038, 8.333333333333334} }
+        .azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_b = {0.25, 0.25, 0.25, 0.25},
+        .alpha = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .l_1 = {0.05, 0.05, 0.05, 0.05},
+        .r_g = {0.12, 0.12, 0.12, 0.12},
+        .a_1 = {0.0, 0.0, 0.0, 0.0},
+        .a_2 = {2.0943951023931953, 2.0943951023931953, 2.0943951023931953, 2.0943951023931953},
+        .a_3 = {4.1887902047863905, 4.1887902047863905, 4.1887902047863905, 4.1887902047863905},
+        .c = {{0.27499999999999997, -0.13749999999999993, -0.1375000000000001, -0.1375000000000001}, {0.0, 0.23815698604072066, -0.23815698604072055, -0.23815698604072055}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .e_x = {{-0.8660254037844387, 0.4330127018922192, 0.43301270189221974, 0.43301270189221974}, {0.0, -0.7500000000000002, 0.7499999999999999, 0.7499999999999999}, {0.4999999999999998, 0.4999999999999998, 0.4999999999999998, 0.4999999999999998}},
+        .e_1 = {{0.4999999999999998, -0.2499999999999998, -0.2500000000000001, -0.2500000000000001}, {0.0, 0.4330127018922192, -0.433012701892219, -0.433012701892219}, {0.8660254037844387, 0.8660254037844387, 0.8660254037844387, 0.8660254037844387}},
+        .e_t = {{0.0, -0.8660254037844387, 0.8660254037844384, 0.8660254037844384}, {1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.0, 0.0, 0.0}},
+        .g = {{0.39499999999999996, -0.19749999999999993, -0.19750000000000015, -0.19750000000000015}, {0.0, 0.3420800344948533, -0.34208003449485314, -0.34208003449485314}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}, {0.21500000000000002, -0.19749999999999998, -0.01750000000000011, -0.01750000000000011}, {0.10392304845413265, 0.13423393758658805, -0.23815698604072064, -0.23815698604072064}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}, {0.21499999999999994, -0.017499999999999946, -0.1975, -0.1975}, {-0.10392304845413261, 0.23815698604072058, -0.13423393758658786, -0.13423393758658786}, {0.04330127018922194, 0.04330127018922194, 0.04330127018922194, 0.04330127018922194}},
+        .k = {{0.0, 0.0, 0.0, 0.0}, {0.037412297443487744, 0.037412297443487744, 0.037412297443487744, 0.037412297443487744}, {0.021599999999999994, 0.021599999999999994, 0.021599999999999994, 0.021599999999999994}, {0.021600000000000005, 0.021600000000000005, 0.021600000000000005, 0.021600000000000005}, {-0.0038879999999999987, -0.003888000000000003, 0.007776, 0.007776}, {-0.003888, 0.007775999999999998, -0.0038879999999999956, -0.0038879999999999956}, {714.4490169181528, 714.4490169181528, 714.4490169181528, 714.4490169181528}, {0.006734213539827796, -0.006734213539827793, -5.3578083978280504e-18, -5.3578083978280504e-18}, {-0.006734213539827793, -2.678904198914025e-18, 0.006734213539827796, 0.006734213539827796}, {578.7037037037038, 578.7037037037038, 578.7037037037038, 578.7037037037038}, {8.333333333333334, 8.333333333333334, 8.333333333333334, 8.333333333333334}}
     },
     .platform = {
-        { .platform_azimuth = 0.0, .R_p = 0.125, .l_r = 0.05, .e_r = {1.0, 0.0}, .b = {0.125, 0.0}, .k = {0.0012500000000000002, 20.0, 0.05, 0.0} },
-        { .platform_azimuth = 2.0943951023931953, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.4999999999999998, 0.8660254037844387}, .b = {-0.06249999999999997, 0.10825317547305484}, .k = {0.0012500000000000002, 20.0, -0.02499999999999999, 0.04330127018922194} },
-        { .platform_azimuth = 4.1887902047863905, .R_p = 0.125, .l_r = 0.05, .e_r = {-0.5000000000000004, -0.8660254037844384}, .b = {-0.06250000000000006, -0.1082531754730548}, .k = {0.0012500000000000002, 20.0, -0.025000000000000022, -0.043301270189221926} }
+        .platform_azimuth = {0.0, 2.0943951023931953, 4.1887902047863905, 4.1887902047863905},
+        .R_p = {0.125, 0.125, 0.125, 0.125},
+        .l_r = {0.05, 0.05, 0.05, 0.05},
+        .e_r = {{1.0, -0.4999999999999998, -0.5000000000000004, -0.5000000000000004}, {0.0, 0.8660254037844387, -0.8660254037844384, -0.8660254037844384}},
+        .b = {{0.125, -0.06249999999999997, -0.06250000000000006, -0.06250000000000006}, {0.0, 0.10825317547305484, -0.1082531754730548, -0.1082531754730548}},
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {0.05, -0.02499999999999999, -0.025000000000000022, -0.025000000000000022}, {0.0, 0.04330127018922194, -0.043301270189221926, -0.043301270189221926}}
     }
 };
 
@@ -258,7 +272,7 @@ static void tangent_end_points(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const redundant = given + 12;
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s + 3 * i);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s + 3 * i);
     }
 }
 
@@ -296,7 +310,7 @@ static void tangent_redundant_coordinates(const krhpr_dual *given, krhpr_dual *f
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const redundant = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform[i], p, Q, s + 3 * i, redundant + i);
+        krhpr_platform_spatial_a_redundant_tangent(&geometry.platform, i, p, Q, s + 3 * i, redundant + i);
     }
 }
 
@@ -352,7 +366,7 @@ static void tangent_subleg_forward_all(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual *const s = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_ups3_forward_all_tangent(&geometry.subleg[i], theta + 3 * i, s + 6 * i, radicand);
+        krhpr_subleg_ups3_forward_all_tangent(&geometry.subleg, i, theta + 3 * i, s + 6 * i, radicand);
     }
 }
 
@@ -389,7 +403,7 @@ static void tangent_subleg_inverse(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const theta = found;
     for (int i = 0; i < 3; ++i) {
         krhpr_dual radicand[1];
-        krhpr_subleg_ups3_inverse_all_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, radicand);
+        krhpr_subleg_ups3_inverse_all_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, radicand);
     }
 }
 
@@ -428,8 +442,8 @@ static void tangent_subleg_jacobian(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual w[9];
         krhpr_dual b[3];
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_jacobian_tangent(&geometry.subleg[i], w, b, M + 9 * i);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_jacobian_tangent(&geometry.subleg, i, w, b, M + 9 * i);
     }
 }
 
@@ -468,7 +482,7 @@ static void tangent_constraints(const krhpr_dual *given, krhpr_dual *found)
     const krhpr_dual *const s = given + 12;
     krhpr_dual *const residual = found;
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual_tangent(&geometry.platform[i], p, Q, s + 3 * i, residual + 2 * i);
+        krhpr_platform_spatial_a_residual_tangent(&geometry.platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
 }
 
@@ -511,9 +525,9 @@ static void tangent_jacobians(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[6];
         krhpr_dual w[9];
         krhpr_dual b[3];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_project_tangent(&geometry.subleg[i], w, b, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_project_tangent(&geometry.subleg, i, w, b, N, K + 6 * i);
     }
 }
 
@@ -558,9 +572,9 @@ static void tangent_jacobian_blocks(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual N[6];
         krhpr_dual w[9];
         krhpr_dual b[3];
-        krhpr_platform_spatial_a_rows_tangent(&geometry.platform[i], p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_project_tangent(&geometry.subleg[i], w, b, N, K + 6 * i);
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J + 12 * i, N);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_project_tangent(&geometry.subleg, i, w, b, N, K + 6 * i);
     }
 }
 
@@ -605,8 +619,8 @@ static void tangent_inverse(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
         krhpr_dual radicand[1];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_ups3_inverse_tangent(&geometry.subleg[i], s, theta + 3 * i, radicand);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_ups3_inverse_tangent(&geometry.subleg, i, s, theta + 3 * i, radicand);
     }
 }
 
@@ -646,8 +660,8 @@ static void tangent_inverse_all(const krhpr_dual *given, krhpr_dual *found)
     for (int i = 0; i < 3; ++i) {
         krhpr_dual s[3];
         krhpr_dual radicand[1];
-        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform[i], p, Q, redundant + i, s);
-        krhpr_subleg_ups3_inverse_all_tangent(&geometry.subleg[i], s, theta + 3 * i, radicand);
+        krhpr_platform_spatial_a_end_point_tangent(&geometry.platform, i, p, Q, redundant + i, s);
+        krhpr_subleg_ups3_inverse_all_tangent(&geometry.subleg, i, s, theta + 3 * i, radicand);
     }
 }
 
@@ -720,9 +734,9 @@ static void tangent_twist(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[3];
         krhpr_dual s_dot[3];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_velocity_tangent(&geometry.subleg[i], w, b, theta_dot + 3 * i, s_dot);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_velocity_tangent(&geometry.subleg, i, w, b, theta_dot + 3 * i, s_dot);
         krhpr_algebra_spatial_rate_tangent(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist, det_regularity);
@@ -771,9 +785,9 @@ static void tangent_joint_rates(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_platform_spatial_a_end_velocity_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_rates_tangent(&geometry.subleg[i], w, b, s_dot, theta_dot + 3 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, s_dot);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_rates_tangent(&geometry.subleg, i, w, b, s_dot, theta_dot + 3 * i);
     }
 }
 
@@ -833,14 +847,14 @@ static void tangent_platform_acceleration(const krhpr_dual *given, krhpr_dual *f
         krhpr_dual s_ddot[3];
         krhpr_dual row_bias[2];
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_ups3_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_velocity_tangent(&geometry.subleg[i], w, b, theta_ddot + 3 * i, along);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_velocity_tangent(&geometry.subleg, i, w, b, theta_ddot + 3 * i, along);
         krhpr_algebra_spatial_sum_tangent(along, bias, s_ddot);
         krhpr_platform_spatial_a_row_bias_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, s_dot, row_bias);
+            &geometry.platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
         krhpr_algebra_spatial_rate_with_bias_tangent(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_tangent(Q, line, point, rate, twist_rate, det_regularity);
@@ -899,13 +913,13 @@ static void tangent_joint_accelerations(const krhpr_dual *given, krhpr_dual *fou
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_platform_spatial_a_end_acceleration_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
+            &geometry.platform, i, p, Q, s + 3 * i, twist, redundant_rates + i, twist_rate,
             redundant_accelerations + i, s_dot, s_ddot);
         krhpr_subleg_ups3_bias_tangent(
-            &geometry.subleg[i], s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
+            &geometry.subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
         krhpr_algebra_spatial_difference_tangent(s_ddot, bias, along);
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_rates_tangent(&geometry.subleg[i], w, b, along, theta_ddot + 3 * i);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_rates_tangent(&geometry.subleg, i, w, b, along, theta_ddot + 3 * i);
     }
 }
 
@@ -958,10 +972,10 @@ static void tangent_passive_joints(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual b[3];
         krhpr_dual link[9];
         krhpr_dual redundant_link[9];
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_passive_tangent(&geometry.subleg[i], w, passive + 6 * i, link);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_passive_tangent(&geometry.subleg, i, w, passive + 6 * i, link);
         krhpr_platform_spatial_a_joint_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, redundant_link, platform_joint + i);
+            &geometry.platform, i, p, Q, s + 3 * i, redundant_link, platform_joint + i);
         krhpr_algebra_spatial_wrist_tangent(link, redundant_link, spherical + 9 * i);
     }
 }
@@ -1009,8 +1023,8 @@ static void tangent_link_points(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const points = found;
     krhpr_dual *const attachment = found + 36;
     for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_ups3_points_tangent(&geometry.subleg[i], s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform[i], p, Q, attachment + 3 * i);
+        krhpr_subleg_ups3_points_tangent(&geometry.subleg, i, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_a_attachment_tangent(&geometry.platform, i, p, Q, attachment + 3 * i);
     }
 }
 
@@ -1064,10 +1078,10 @@ static void tangent_singularity(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual w[9];
         krhpr_dual b[3];
         krhpr_dual N[6];
-        krhpr_subleg_ups3_posture_tangent(&geometry.subleg[i], s + 3 * i, theta + 3 * i, w, b);
-        krhpr_subleg_ups3_determinant_tangent(&geometry.subleg[i], w, b, type_1 + i, factors + 4 * i);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_determinant_tangent(&geometry.subleg, i, w, b, type_1 + i, factors + 4 * i);
         krhpr_platform_spatial_a_line_tangent(
-            &geometry.platform[i], p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1115,7 +1129,7 @@ static void tangent_type_2_of_redundant(const krhpr_dual *given, krhpr_dual *fou
     krhpr_dual scale[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_tangent(
-            &geometry.platform[i], redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
+            &geometry.platform, i, redundant + i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_tangent(line, point, scale, type_2, margins);
 }
@@ -1191,8 +1205,8 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_2_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);
@@ -1252,8 +1266,8 @@ static void tangent_forward_encoders_3(const krhpr_dual *given, krhpr_dual *foun
     krhpr_dual direction[1];
     krhpr_platform_spatial_a_turns_3_tangent(measured, turns);
     for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie_tangent(&geometry.platform[i], anchor + 2 * i, length + i);
-        krhpr_platform_spatial_a_arm_tangent(&geometry.platform[i], arm + 2 * i);
+        krhpr_platform_spatial_a_tie_tangent(&geometry.platform, i, anchor + 2 * i, length + i);
+        krhpr_platform_spatial_a_arm_tangent(&geometry.platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders_tangent(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch);

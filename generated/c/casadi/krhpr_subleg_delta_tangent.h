@@ -13,25 +13,25 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (102 add,
  * 152 multiply, 1 divide, 3 sine cosine) */
 static inline void krhpr_subleg_delta_forward_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *theta, const krhpr_dual *s_near,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     (void)(s_near);
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double t1 = g->L * cos_1;
-    const double k_1_0 = g->g[0] + g->x[0] * t1;
-    const double k_1_1 = g->g[1] + g->x[1] * t1;
-    const double k_1_2 = g->g[2] + g->L * sin_1;
-    const double t2 = g->L * cos_2;
-    const double k_2_0 = g->g[3] + g->x[3] * t2;
-    const double k_2_1 = g->g[4] + g->x[4] * t2;
-    const double k_2_2 = g->g[5] + g->L * sin_2;
-    const double t3 = g->L * cos_3;
-    const double k_3_0 = g->g[6] + g->x[6] * t3;
-    const double k_3_1 = g->g[7] + g->x[7] * t3;
-    const double k_3_2 = g->g[8] + g->L * sin_3;
+    const double t1 = g->L[i] * cos_1;
+    const double k_1_0 = g->g[0][i] + g->x[0][i] * t1;
+    const double k_1_1 = g->g[1][i] + g->x[1][i] * t1;
+    const double k_1_2 = g->g[2][i] + g->L[i] * sin_1;
+    const double t2 = g->L[i] * cos_2;
+    const double k_2_0 = g->g[3][i] + g->x[3][i] * t2;
+    const double k_2_1 = g->g[4][i] + g->x[4][i] * t2;
+    const double k_2_2 = g->g[5][i] + g->L[i] * sin_2;
+    const double t3 = g->L[i] * cos_3;
+    const double k_3_0 = g->g[6][i] + g->x[6][i] * t3;
+    const double k_3_1 = g->g[7][i] + g->x[7][i] * t3;
+    const double k_3_2 = g->g[8][i] + g->L[i] * sin_3;
     const double g_12_0 = k_2_0 - k_1_0;
     const double g_12_1 = k_2_1 - k_1_1;
     const double g_12_2 = k_2_2 - k_1_2;
@@ -57,22 +57,22 @@ static inline void krhpr_subleg_delta_forward_tangent(
     const double h9 = g_12_1 * n_0 - g_12_0 * n_1;
     const double h10 = q_2 * h8 + q_3 * h9;
     const double foot_2 = h3 * h10;
-    const double h11 = g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
+    const double h11 = g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
     const double h2_a = h3 * h11;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g->L * (sin_1 * theta[0].t[k]);
-        const double t5 = g->x[0] * t4;
-        const double t6 = g->x[1] * t4;
-        const double t7 = g->L * (cos_1 * theta[0].t[k]);
-        const double t8 = g->L * (sin_2 * theta[1].t[k]);
-        const double t9 = g->L * (sin_3 * theta[2].t[k]);
-        const double t10 = t5 - g->x[3] * t8;
-        const double t11 = t6 - g->x[4] * t8;
-        const double t12 = g->L * (cos_2 * theta[1].t[k]) - t7;
-        const double t13 = t5 - g->x[6] * t9;
-        const double t14 = t6 - g->x[7] * t9;
-        const double t15 = g->L * (cos_3 * theta[2].t[k]) - t7;
+        const double t4 = g->L[i] * (sin_1 * theta[0].t[k]);
+        const double t5 = g->x[0][i] * t4;
+        const double t6 = g->x[1][i] * t4;
+        const double t7 = g->L[i] * (cos_1 * theta[0].t[k]);
+        const double t8 = g->L[i] * (sin_2 * theta[1].t[k]);
+        const double t9 = g->L[i] * (sin_3 * theta[2].t[k]);
+        const double t10 = t5 - g->x[3][i] * t8;
+        const double t11 = t6 - g->x[4][i] * t8;
+        const double t12 = g->L[i] * (cos_2 * theta[1].t[k]) - t7;
+        const double t13 = t5 - g->x[6][i] * t9;
+        const double t14 = t6 - g->x[7][i] * t9;
+        const double t15 = g->L[i] * (cos_3 * theta[2].t[k]) - t7;
         const double t16 = g_13_2 * t11 + g_12_1 * t15 - (g_13_1 * t12 + g_12_2 * t14);
         const double t17 = g_13_0 * t12 + g_12_2 * t13 - (g_13_2 * t10 + g_12_0 * t15);
         const double t18 = g_13_1 * t10 + g_12_0 * t14 - (g_13_0 * t11 + g_12_1 * t13);
@@ -101,25 +101,25 @@ static inline void krhpr_subleg_delta_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (102
  * add, 152 multiply, 1 divide, 3 sine cosine) */
 static inline void krhpr_subleg_delta_forward_posture_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *theta, const krhpr_dual *s_near,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT u, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     (void)(s_near);
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double t1 = g->L * cos_1;
-    const double k_1_0 = g->g[0] + g->x[0] * t1;
-    const double k_1_1 = g->g[1] + g->x[1] * t1;
-    const double k_1_2 = g->g[2] + g->L * sin_1;
-    const double t2 = g->L * cos_2;
-    const double k_2_0 = g->g[3] + g->x[3] * t2;
-    const double k_2_1 = g->g[4] + g->x[4] * t2;
-    const double k_2_2 = g->g[5] + g->L * sin_2;
-    const double t3 = g->L * cos_3;
-    const double k_3_0 = g->g[6] + g->x[6] * t3;
-    const double k_3_1 = g->g[7] + g->x[7] * t3;
-    const double k_3_2 = g->g[8] + g->L * sin_3;
+    const double t1 = g->L[i] * cos_1;
+    const double k_1_0 = g->g[0][i] + g->x[0][i] * t1;
+    const double k_1_1 = g->g[1][i] + g->x[1][i] * t1;
+    const double k_1_2 = g->g[2][i] + g->L[i] * sin_1;
+    const double t2 = g->L[i] * cos_2;
+    const double k_2_0 = g->g[3][i] + g->x[3][i] * t2;
+    const double k_2_1 = g->g[4][i] + g->x[4][i] * t2;
+    const double k_2_2 = g->g[5][i] + g->L[i] * sin_2;
+    const double t3 = g->L[i] * cos_3;
+    const double k_3_0 = g->g[6][i] + g->x[6][i] * t3;
+    const double k_3_1 = g->g[7][i] + g->x[7][i] * t3;
+    const double k_3_2 = g->g[8][i] + g->L[i] * sin_3;
     const double g_12_0 = k_2_0 - k_1_0;
     const double g_12_1 = k_2_1 - k_1_1;
     const double g_12_2 = k_2_2 - k_1_2;
@@ -145,7 +145,7 @@ static inline void krhpr_subleg_delta_forward_posture_tangent(
     const double h9 = g_12_1 * n_0 - g_12_0 * n_1;
     const double h10 = q_2 * h8 + q_3 * h9;
     const double foot_2 = h3 * h10;
-    const double h11 = g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
+    const double h11 = g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
     const double h2_a = h3 * h11;
     u[0].v = cos_1;
     u[1].v = sin_1;
@@ -161,18 +161,18 @@ static inline void krhpr_subleg_delta_forward_posture_tangent(
         const double t7 = cos_2 * theta[1].t[k];
         const double t8 = sin_3 * theta[2].t[k];
         const double t9 = cos_3 * theta[2].t[k];
-        const double t10 = g->L * t4;
-        const double t11 = g->x[0] * t10;
-        const double t12 = g->x[1] * t10;
-        const double t13 = g->L * t5;
-        const double t14 = g->L * t6;
-        const double t15 = g->L * t8;
-        const double t16 = t11 - g->x[3] * t14;
-        const double t17 = t12 - g->x[4] * t14;
-        const double t18 = g->L * t7 - t13;
-        const double t19 = t11 - g->x[6] * t15;
-        const double t20 = t12 - g->x[7] * t15;
-        const double t21 = g->L * t9 - t13;
+        const double t10 = g->L[i] * t4;
+        const double t11 = g->x[0][i] * t10;
+        const double t12 = g->x[1][i] * t10;
+        const double t13 = g->L[i] * t5;
+        const double t14 = g->L[i] * t6;
+        const double t15 = g->L[i] * t8;
+        const double t16 = t11 - g->x[3][i] * t14;
+        const double t17 = t12 - g->x[4][i] * t14;
+        const double t18 = g->L[i] * t7 - t13;
+        const double t19 = t11 - g->x[6][i] * t15;
+        const double t20 = t12 - g->x[7][i] * t15;
+        const double t21 = g->L[i] * t9 - t13;
         const double t22 = g_13_2 * t17 + g_12_1 * t21 - (g_13_1 * t18 + g_12_2 * t20);
         const double t23 = g_13_0 * t18 + g_12_2 * t19 - (g_13_2 * t16 + g_12_0 * t21);
         const double t24 = g_13_1 * t16 + g_12_0 * t20 - (g_13_0 * t17 + g_12_1 * t19);
@@ -207,24 +207,24 @@ static inline void krhpr_subleg_delta_forward_posture_tangent(
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (123
  * add, 163 multiply, 2 divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_delta_forward_all_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double t1 = g->L * cos_1;
-    const double k_1_0 = g->g[0] + g->x[0] * t1;
-    const double k_1_1 = g->g[1] + g->x[1] * t1;
-    const double k_1_2 = g->g[2] + g->L * sin_1;
-    const double t2 = g->L * cos_2;
-    const double k_2_0 = g->g[3] + g->x[3] * t2;
-    const double k_2_1 = g->g[4] + g->x[4] * t2;
-    const double k_2_2 = g->g[5] + g->L * sin_2;
-    const double t3 = g->L * cos_3;
-    const double k_3_0 = g->g[6] + g->x[6] * t3;
-    const double k_3_1 = g->g[7] + g->x[7] * t3;
-    const double k_3_2 = g->g[8] + g->L * sin_3;
+    const double t1 = g->L[i] * cos_1;
+    const double k_1_0 = g->g[0][i] + g->x[0][i] * t1;
+    const double k_1_1 = g->g[1][i] + g->x[1][i] * t1;
+    const double k_1_2 = g->g[2][i] + g->L[i] * sin_1;
+    const double t2 = g->L[i] * cos_2;
+    const double k_2_0 = g->g[3][i] + g->x[3][i] * t2;
+    const double k_2_1 = g->g[4][i] + g->x[4][i] * t2;
+    const double k_2_2 = g->g[5][i] + g->L[i] * sin_2;
+    const double t3 = g->L[i] * cos_3;
+    const double k_3_0 = g->g[6][i] + g->x[6][i] * t3;
+    const double k_3_1 = g->g[7][i] + g->x[7][i] * t3;
+    const double k_3_2 = g->g[8][i] + g->L[i] * sin_3;
     const double g_12_0 = k_2_0 - k_1_0;
     const double g_12_1 = k_2_1 - k_1_1;
     const double g_12_2 = k_2_2 - k_1_2;
@@ -250,7 +250,7 @@ static inline void krhpr_subleg_delta_forward_all_tangent(
     const double h9 = g_12_1 * n_0 - g_12_0 * n_1;
     const double h10 = q_2 * h8 + q_3 * h9;
     const double foot_2 = h3 * h10;
-    const double h11 = g->k[0] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
+    const double h11 = g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2;
     const double h2_a = h3 * h11;
     const double height = sqrt(h2_a);
     const double t4 = k_1_0 + foot_0;
@@ -268,18 +268,18 @@ static inline void krhpr_subleg_delta_forward_all_tangent(
     s[5].v = t8 - t9;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t10 = g->L * (sin_1 * theta[0].t[k]);
-        const double t11 = g->x[0] * t10;
-        const double t12 = g->x[1] * t10;
-        const double t13 = g->L * (cos_1 * theta[0].t[k]);
-        const double t14 = g->L * (sin_2 * theta[1].t[k]);
-        const double t15 = g->L * (sin_3 * theta[2].t[k]);
-        const double t16 = t11 - g->x[3] * t14;
-        const double t17 = t12 - g->x[4] * t14;
-        const double t18 = g->L * (cos_2 * theta[1].t[k]) - t13;
-        const double t19 = t11 - g->x[6] * t15;
-        const double t20 = t12 - g->x[7] * t15;
-        const double t21 = g->L * (cos_3 * theta[2].t[k]) - t13;
+        const double t10 = g->L[i] * (sin_1 * theta[0].t[k]);
+        const double t11 = g->x[0][i] * t10;
+        const double t12 = g->x[1][i] * t10;
+        const double t13 = g->L[i] * (cos_1 * theta[0].t[k]);
+        const double t14 = g->L[i] * (sin_2 * theta[1].t[k]);
+        const double t15 = g->L[i] * (sin_3 * theta[2].t[k]);
+        const double t16 = t11 - g->x[3][i] * t14;
+        const double t17 = t12 - g->x[4][i] * t14;
+        const double t18 = g->L[i] * (cos_2 * theta[1].t[k]) - t13;
+        const double t19 = t11 - g->x[6][i] * t15;
+        const double t20 = t12 - g->x[7][i] * t15;
+        const double t21 = g->L[i] * (cos_3 * theta[2].t[k]) - t13;
         const double t22 = g_13_2 * t17 + g_12_1 * t21 - (g_13_1 * t18 + g_12_2 * t20);
         const double t23 = g_13_0 * t18 + g_12_2 * t19 - (g_13_2 * t16 + g_12_0 * t21);
         const double t24 = g_13_1 * t16 + g_12_0 * t20 - (g_13_0 * t17 + g_12_1 * t19);
@@ -325,30 +325,30 @@ static inline void krhpr_subleg_delta_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (90 add,
  * 123 multiply, 6 divide, 3 square root, 3 arctangent) */
 static inline void krhpr_subleg_delta_inverse_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double a_1_0 = s[0].v - g->g[0];
-    const double a_1_1 = s[1].v - g->g[1];
-    const double a_1_2 = s[2].v - g->g[2];
-    const double a_1x = g->x[0] * a_1_0 + g->x[1] * a_1_1;
+    const double a_1_0 = s[0].v - g->g[0][i];
+    const double a_1_1 = s[1].v - g->g[1][i];
+    const double a_1_2 = s[2].v - g->g[2][i];
+    const double a_1x = g->x[0][i] * a_1_0 + g->x[1][i] * a_1_1;
     const double t1 = a_1_2 * a_1_2;
     const double p_1 = t1 + a_1x * a_1x;
-    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1] - g->k[0]) * g->k[2];
-    const double a_2_0 = s[0].v - g->g[3];
-    const double a_2_1 = s[1].v - g->g[4];
-    const double a_2_2 = s[2].v - g->g[5];
-    const double a_2x = g->x[3] * a_2_0 + g->x[4] * a_2_1;
+    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1][i] - g->k[0][i]) * g->k[2][i];
+    const double a_2_0 = s[0].v - g->g[3][i];
+    const double a_2_1 = s[1].v - g->g[4][i];
+    const double a_2_2 = s[2].v - g->g[5][i];
+    const double a_2x = g->x[3][i] * a_2_0 + g->x[4][i] * a_2_1;
     const double t2 = a_2_2 * a_2_2;
     const double p_2 = t2 + a_2x * a_2x;
-    const double e_2 = g->k[2] * (0.5 * (g->k[1] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0]));
-    const double a_3_0 = s[0].v - g->g[6];
-    const double a_3_1 = s[1].v - g->g[7];
-    const double a_3_2 = s[2].v - g->g[8];
-    const double a_3x = g->x[6] * a_3_0 + g->x[7] * a_3_1;
+    const double e_2 = g->k[2][i] * (0.5 * (g->k[1][i] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0][i]));
+    const double a_3_0 = s[0].v - g->g[6][i];
+    const double a_3_1 = s[1].v - g->g[7][i];
+    const double a_3_2 = s[2].v - g->g[8][i];
+    const double a_3x = g->x[6][i] * a_3_0 + g->x[7][i] * a_3_1;
     const double t3 = a_3_2 * a_3_2;
     const double p_3 = t3 + a_3x * a_3x;
-    const double e_3 = g->k[2] * (0.5 * (g->k[1] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0]));
+    const double e_3 = g->k[2][i] * (0.5 * (g->k[1][i] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0][i]));
     const double h3 = mode[0] * a_1x;
     const double h2 = sqrt(p_1 - e_1 * e_1);
     const double h6 = a_1_2 * e_1 - h3 * h2;
@@ -374,27 +374,27 @@ static inline void krhpr_subleg_delta_inverse_tangent(
     theta[1].v = krhpr_atan2(h13, h12);
     theta[2].v = krhpr_atan2(h20, h19);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g->x[0] * s[0].t[k] + g->x[1] * s[1].t[k];
+        const double t4 = g->x[0][i] * s[0].t[k] + g->x[1][i] * s[1].t[k];
         const double t5 = a_1_2 * s[2].t[k];
         const double t6 = t5 + t5;
         const double t7 = a_1x * t4;
         const double t8 = a_1_0 * s[0].t[k];
         const double t9 = a_1_1 * s[1].t[k];
-        const double t10 = g->k[2] * (0.5 * (t6 + (t8 + t8 + (t9 + t9))));
-        const double t11 = g->x[3] * s[0].t[k] + g->x[4] * s[1].t[k];
+        const double t10 = g->k[2][i] * (0.5 * (t6 + (t8 + t8 + (t9 + t9))));
+        const double t11 = g->x[3][i] * s[0].t[k] + g->x[4][i] * s[1].t[k];
         const double t12 = a_2_2 * s[2].t[k];
         const double t13 = t12 + t12;
         const double t14 = a_2x * t11;
         const double t15 = a_2_0 * s[0].t[k];
         const double t16 = a_2_1 * s[1].t[k];
-        const double t17 = g->k[2] * (0.5 * (t13 + (t15 + t15 + (t16 + t16))));
-        const double t18 = g->x[6] * s[0].t[k] + g->x[7] * s[1].t[k];
+        const double t17 = g->k[2][i] * (0.5 * (t13 + (t15 + t15 + (t16 + t16))));
+        const double t18 = g->x[6][i] * s[0].t[k] + g->x[7][i] * s[1].t[k];
         const double t19 = a_3_2 * s[2].t[k];
         const double t20 = t19 + t19;
         const double t21 = a_3x * t18;
         const double t22 = a_3_0 * s[0].t[k];
         const double t23 = a_3_1 * s[1].t[k];
-        const double t24 = g->k[2] * (0.5 * (t20 + (t22 + t22 + (t23 + t23))));
+        const double t24 = g->k[2][i] * (0.5 * (t20 + (t22 + t22 + (t23 + t23))));
         const double t25 = e_1 * t10;
         const double t26 = h1 * (0.5 * (t6 + (t7 + t7) - (t25 + t25)));
         const double t27 = h5 * (e_1 * s[2].t[k] + a_1_2 * t10 - (h2 * (mode[0] * t4) + h3 * t26)) - h6 * (e_1 * t4 + a_1x * t10 + (h4 * t26 + h2 * (mode[0] * s[2].t[k])));
@@ -413,29 +413,29 @@ static inline void krhpr_subleg_delta_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (114
  * add, 132 multiply, 9 divide, 3 square root, 6 arctangent) */
 static inline void krhpr_subleg_delta_inverse_all_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double a_1_0 = s[0].v - g->g[0];
-    const double a_1_1 = s[1].v - g->g[1];
-    const double a_1_2 = s[2].v - g->g[2];
-    const double a_1x = g->x[0] * a_1_0 + g->x[1] * a_1_1;
+    const double a_1_0 = s[0].v - g->g[0][i];
+    const double a_1_1 = s[1].v - g->g[1][i];
+    const double a_1_2 = s[2].v - g->g[2][i];
+    const double a_1x = g->x[0][i] * a_1_0 + g->x[1][i] * a_1_1;
     const double t1 = a_1_2 * a_1_2;
     const double p_1 = t1 + a_1x * a_1x;
-    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1] - g->k[0]) * g->k[2];
-    const double a_2_0 = s[0].v - g->g[3];
-    const double a_2_1 = s[1].v - g->g[4];
-    const double a_2_2 = s[2].v - g->g[5];
-    const double a_2x = g->x[3] * a_2_0 + g->x[4] * a_2_1;
+    const double e_1 = 0.5 * (t1 + (a_1_0 * a_1_0 + a_1_1 * a_1_1) + g->k[1][i] - g->k[0][i]) * g->k[2][i];
+    const double a_2_0 = s[0].v - g->g[3][i];
+    const double a_2_1 = s[1].v - g->g[4][i];
+    const double a_2_2 = s[2].v - g->g[5][i];
+    const double a_2x = g->x[3][i] * a_2_0 + g->x[4][i] * a_2_1;
     const double t2 = a_2_2 * a_2_2;
     const double p_2 = t2 + a_2x * a_2x;
-    const double e_2 = g->k[2] * (0.5 * (g->k[1] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0]));
-    const double a_3_0 = s[0].v - g->g[6];
-    const double a_3_1 = s[1].v - g->g[7];
-    const double a_3_2 = s[2].v - g->g[8];
-    const double a_3x = g->x[6] * a_3_0 + g->x[7] * a_3_1;
+    const double e_2 = g->k[2][i] * (0.5 * (g->k[1][i] + (t2 + (a_2_0 * a_2_0 + a_2_1 * a_2_1)) - g->k[0][i]));
+    const double a_3_0 = s[0].v - g->g[6][i];
+    const double a_3_1 = s[1].v - g->g[7][i];
+    const double a_3_2 = s[2].v - g->g[8][i];
+    const double a_3x = g->x[6][i] * a_3_0 + g->x[7][i] * a_3_1;
     const double t3 = a_3_2 * a_3_2;
     const double p_3 = t3 + a_3x * a_3x;
-    const double e_3 = g->k[2] * (0.5 * (g->k[1] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0]));
+    const double e_3 = g->k[2][i] * (0.5 * (g->k[1][i] + (t3 + (a_3_0 * a_3_0 + a_3_1 * a_3_1)) - g->k[0][i]));
     const double t4 = a_1_2 * e_1;
     const double h2 = sqrt(p_1 - e_1 * e_1);
     const double t5 = a_1x * h2;
@@ -458,15 +458,15 @@ static inline void krhpr_subleg_delta_inverse_all_tangent(
     const double h13 = t12 + a_3_2 * h12;
     const double theta_2 = krhpr_atan2(h14, h13);
     const double h18 = t10 + t11;
-    const double h16 = g->g[8] - s[2].v;
+    const double h16 = g->g[8][i] - s[2].v;
     const double h17 = t12 + h12 * h16;
     const double theta_2_a = krhpr_atan2(h18, h17);
     const double h22 = t7 + t8;
-    const double h20 = g->g[5] - s[2].v;
+    const double h20 = g->g[5][i] - s[2].v;
     const double h21 = t9 + h7 * h20;
     const double theta_1_a = krhpr_atan2(h22, h21);
     const double h26 = t4 + t5;
-    const double h24 = g->g[2] - s[2].v;
+    const double h24 = g->g[2][i] - s[2].v;
     const double h25 = t6 + h2 * h24;
     const double theta_0_a = krhpr_atan2(h26, h25);
     const double h1 = 1.0 / h2;
@@ -503,27 +503,27 @@ static inline void krhpr_subleg_delta_inverse_all_tangent(
     theta[22].v = theta_1_a;
     theta[23].v = theta_2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t13 = g->x[0] * s[0].t[k] + g->x[1] * s[1].t[k];
+        const double t13 = g->x[0][i] * s[0].t[k] + g->x[1][i] * s[1].t[k];
         const double t14 = a_1_2 * s[2].t[k];
         const double t15 = t14 + t14;
         const double t16 = a_1x * t13;
         const double t17 = a_1_0 * s[0].t[k];
         const double t18 = a_1_1 * s[1].t[k];
-        const double t19 = g->k[2] * (0.5 * (t15 + (t17 + t17 + (t18 + t18))));
-        const double t20 = g->x[3] * s[0].t[k] + g->x[4] * s[1].t[k];
+        const double t19 = g->k[2][i] * (0.5 * (t15 + (t17 + t17 + (t18 + t18))));
+        const double t20 = g->x[3][i] * s[0].t[k] + g->x[4][i] * s[1].t[k];
         const double t21 = a_2_2 * s[2].t[k];
         const double t22 = t21 + t21;
         const double t23 = a_2x * t20;
         const double t24 = a_2_0 * s[0].t[k];
         const double t25 = a_2_1 * s[1].t[k];
-        const double t26 = g->k[2] * (0.5 * (t22 + (t24 + t24 + (t25 + t25))));
-        const double t27 = g->x[6] * s[0].t[k] + g->x[7] * s[1].t[k];
+        const double t26 = g->k[2][i] * (0.5 * (t22 + (t24 + t24 + (t25 + t25))));
+        const double t27 = g->x[6][i] * s[0].t[k] + g->x[7][i] * s[1].t[k];
         const double t28 = a_3_2 * s[2].t[k];
         const double t29 = t28 + t28;
         const double t30 = a_3x * t27;
         const double t31 = a_3_0 * s[0].t[k];
         const double t32 = a_3_1 * s[1].t[k];
-        const double t33 = g->k[2] * (0.5 * (t29 + (t31 + t31 + (t32 + t32))));
+        const double t33 = g->k[2][i] * (0.5 * (t29 + (t31 + t31 + (t32 + t32))));
         const double t34 = e_1 * s[2].t[k] + a_1_2 * t19;
         const double t35 = e_1 * t19;
         const double t36 = h1 * (0.5 * (t15 + (t16 + t16) - (t35 + t35)));
@@ -578,30 +578,30 @@ static inline void krhpr_subleg_delta_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (48 add, 75 multiply, 3 sine cosine) */
 static inline void krhpr_subleg_delta_posture_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b, krhpr_dual *KRHPR_RESTRICT u)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double t1 = g->L * cos_1;
-    const double w_1_0 = s[0].v - g->g[0] - g->x[0] * t1;
-    const double w_1_1 = s[1].v - g->g[1] - g->x[1] * t1;
-    const double w_1_2 = s[2].v - g->g[2] - g->L * sin_1;
-    const double t2 = g->L * cos_2;
-    const double w_2_0 = s[0].v - g->g[3] - g->x[3] * t2;
-    const double w_2_1 = s[1].v - g->g[4] - g->x[4] * t2;
-    const double w_2_2 = s[2].v - g->g[5] - g->L * sin_2;
-    const double t3 = g->L * cos_3;
-    const double w_3_0 = s[0].v - g->g[6] - g->x[6] * t3;
-    const double w_3_1 = s[1].v - g->g[7] - g->x[7] * t3;
-    const double w_3_2 = s[2].v - g->g[8] - g->L * sin_3;
-    const double h1 = g->x[0] * sin_1;
-    const double h2 = g->x[1] * sin_1;
-    const double h3 = g->x[3] * sin_2;
-    const double h4 = g->x[4] * sin_2;
-    const double h5 = g->x[6] * sin_3;
-    const double h6 = g->x[7] * sin_3;
+    const double t1 = g->L[i] * cos_1;
+    const double w_1_0 = s[0].v - g->g[0][i] - g->x[0][i] * t1;
+    const double w_1_1 = s[1].v - g->g[1][i] - g->x[1][i] * t1;
+    const double w_1_2 = s[2].v - g->g[2][i] - g->L[i] * sin_1;
+    const double t2 = g->L[i] * cos_2;
+    const double w_2_0 = s[0].v - g->g[3][i] - g->x[3][i] * t2;
+    const double w_2_1 = s[1].v - g->g[4][i] - g->x[4][i] * t2;
+    const double w_2_2 = s[2].v - g->g[5][i] - g->L[i] * sin_2;
+    const double t3 = g->L[i] * cos_3;
+    const double w_3_0 = s[0].v - g->g[6][i] - g->x[6][i] * t3;
+    const double w_3_1 = s[1].v - g->g[7][i] - g->x[7][i] * t3;
+    const double w_3_2 = s[2].v - g->g[8][i] - g->L[i] * sin_3;
+    const double h1 = g->x[0][i] * sin_1;
+    const double h2 = g->x[1][i] * sin_1;
+    const double h3 = g->x[3][i] * sin_2;
+    const double h4 = g->x[4][i] * sin_2;
+    const double h5 = g->x[6][i] * sin_3;
+    const double h6 = g->x[7][i] * sin_3;
     w[0].v = w_1_0;
     w[1].v = w_1_1;
     w[2].v = w_1_2;
@@ -611,9 +611,9 @@ static inline void krhpr_subleg_delta_posture_tangent(
     w[6].v = w_3_0;
     w[7].v = w_3_1;
     w[8].v = w_3_2;
-    b[0].v = g->L * (cos_1 * w_1_2 - w_1_0 * h1 - w_1_1 * h2);
-    b[1].v = g->L * (cos_2 * w_2_2 - w_2_0 * h3 - w_2_1 * h4);
-    b[2].v = g->L * (cos_3 * w_3_2 - w_3_0 * h5 - w_3_1 * h6);
+    b[0].v = g->L[i] * (cos_1 * w_1_2 - w_1_0 * h1 - w_1_1 * h2);
+    b[1].v = g->L[i] * (cos_2 * w_2_2 - w_2_0 * h3 - w_2_1 * h4);
+    b[2].v = g->L[i] * (cos_3 * w_3_2 - w_3_0 * h5 - w_3_1 * h6);
     u[0].v = cos_1;
     u[1].v = sin_1;
     u[2].v = cos_2;
@@ -627,21 +627,21 @@ static inline void krhpr_subleg_delta_posture_tangent(
         const double t7 = cos_2 * theta[1].t[k];
         const double t8 = sin_3 * theta[2].t[k];
         const double t9 = cos_3 * theta[2].t[k];
-        const double t10 = g->L * t4;
-        const double t11 = s[0].t[k] + g->x[0] * t10;
-        const double t12 = s[1].t[k] + g->x[1] * t10;
-        const double t13 = s[2].t[k] - g->L * t5;
-        const double t14 = g->L * t6;
-        const double t15 = s[0].t[k] + g->x[3] * t14;
-        const double t16 = s[1].t[k] + g->x[4] * t14;
-        const double t17 = s[2].t[k] - g->L * t7;
-        const double t18 = g->L * t8;
-        const double t19 = s[0].t[k] + g->x[6] * t18;
-        const double t20 = s[1].t[k] + g->x[7] * t18;
-        const double t21 = s[2].t[k] - g->L * t9;
-        const double t22 = cos_1 * t13 - w_1_2 * t4 - (h1 * t11 + w_1_0 * (g->x[0] * t5)) - (h2 * t12 + w_1_1 * (g->x[1] * t5));
-        const double t23 = cos_2 * t17 - w_2_2 * t6 - (h3 * t15 + w_2_0 * (g->x[3] * t7)) - (h4 * t16 + w_2_1 * (g->x[4] * t7));
-        const double t24 = cos_3 * t21 - w_3_2 * t8 - (h5 * t19 + w_3_0 * (g->x[6] * t9)) - (h6 * t20 + w_3_1 * (g->x[7] * t9));
+        const double t10 = g->L[i] * t4;
+        const double t11 = s[0].t[k] + g->x[0][i] * t10;
+        const double t12 = s[1].t[k] + g->x[1][i] * t10;
+        const double t13 = s[2].t[k] - g->L[i] * t5;
+        const double t14 = g->L[i] * t6;
+        const double t15 = s[0].t[k] + g->x[3][i] * t14;
+        const double t16 = s[1].t[k] + g->x[4][i] * t14;
+        const double t17 = s[2].t[k] - g->L[i] * t7;
+        const double t18 = g->L[i] * t8;
+        const double t19 = s[0].t[k] + g->x[6][i] * t18;
+        const double t20 = s[1].t[k] + g->x[7][i] * t18;
+        const double t21 = s[2].t[k] - g->L[i] * t9;
+        const double t22 = cos_1 * t13 - w_1_2 * t4 - (h1 * t11 + w_1_0 * (g->x[0][i] * t5)) - (h2 * t12 + w_1_1 * (g->x[1][i] * t5));
+        const double t23 = cos_2 * t17 - w_2_2 * t6 - (h3 * t15 + w_2_0 * (g->x[3][i] * t7)) - (h4 * t16 + w_2_1 * (g->x[4][i] * t7));
+        const double t24 = cos_3 * t21 - w_3_2 * t8 - (h5 * t19 + w_3_0 * (g->x[6][i] * t9)) - (h6 * t20 + w_3_1 * (g->x[7][i] * t9));
         w[0].t[k] = t11;
         w[1].t[k] = t12;
         w[2].t[k] = t13;
@@ -651,9 +651,9 @@ static inline void krhpr_subleg_delta_posture_tangent(
         w[6].t[k] = t19;
         w[7].t[k] = t20;
         w[8].t[k] = t21;
-        b[0].t[k] = g->L * t22;
-        b[1].t[k] = g->L * t23;
-        b[2].t[k] = g->L * t24;
+        b[0].t[k] = g->L[i] * t22;
+        b[1].t[k] = g->L[i] * t23;
+        b[2].t[k] = g->L[i] * t24;
         u[0].t[k] = -t4;
         u[1].t[k] = t5;
         u[2].t[k] = -t6;
@@ -666,10 +666,11 @@ static inline void krhpr_subleg_delta_posture_tangent(
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (61 add, 119 multiply, 1 divide) */
 static inline void krhpr_subleg_delta_jacobian_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
     const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
     const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
@@ -735,10 +736,11 @@ static inline void krhpr_subleg_delta_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (103 add, 173 multiply, 1 divide) */
 static inline void krhpr_subleg_delta_project_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *b, const krhpr_dual *N,
-    krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
     const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
     const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
@@ -813,10 +815,11 @@ static inline void krhpr_subleg_delta_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (70 add,
  * 110 multiply, 1 divide) */
 static inline void krhpr_subleg_delta_velocity_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
     const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
     const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
@@ -867,33 +870,33 @@ static inline void krhpr_subleg_delta_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (359 add, 506 multiply, 1
  * divide, 3 sine cosine) */
 static inline void krhpr_subleg_delta_bias_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double t1 = g->L * cos_1;
-    const double w_1_0 = s[0].v - g->g[0] - g->x[0] * t1;
-    const double w_1_1 = s[1].v - g->g[1] - g->x[1] * t1;
-    const double w_1_2 = s[2].v - g->g[2] - g->L * sin_1;
-    const double t2 = g->L * cos_2;
-    const double w_2_0 = s[0].v - g->g[3] - g->x[3] * t2;
-    const double w_2_1 = s[1].v - g->g[4] - g->x[4] * t2;
-    const double w_2_2 = s[2].v - g->g[5] - g->L * sin_2;
-    const double t3 = g->L * cos_3;
-    const double w_3_0 = s[0].v - g->g[6] - g->x[6] * t3;
-    const double w_3_1 = s[1].v - g->g[7] - g->x[7] * t3;
-    const double w_3_2 = s[2].v - g->g[8] - g->L * sin_3;
-    const double h1 = g->x[0] * sin_1;
-    const double h2 = g->x[1] * sin_1;
-    const double b_0 = g->L * (cos_1 * w_1_2 - w_1_0 * h1 - w_1_1 * h2);
-    const double h3 = g->x[3] * sin_2;
-    const double h4 = g->x[4] * sin_2;
-    const double b_1 = g->L * (cos_2 * w_2_2 - w_2_0 * h3 - w_2_1 * h4);
-    const double h5 = g->x[6] * sin_3;
-    const double h6 = g->x[7] * sin_3;
-    const double b_2 = g->L * (cos_3 * w_3_2 - w_3_0 * h5 - w_3_1 * h6);
+    const double t1 = g->L[i] * cos_1;
+    const double w_1_0 = s[0].v - g->g[0][i] - g->x[0][i] * t1;
+    const double w_1_1 = s[1].v - g->g[1][i] - g->x[1][i] * t1;
+    const double w_1_2 = s[2].v - g->g[2][i] - g->L[i] * sin_1;
+    const double t2 = g->L[i] * cos_2;
+    const double w_2_0 = s[0].v - g->g[3][i] - g->x[3][i] * t2;
+    const double w_2_1 = s[1].v - g->g[4][i] - g->x[4][i] * t2;
+    const double w_2_2 = s[2].v - g->g[5][i] - g->L[i] * sin_2;
+    const double t3 = g->L[i] * cos_3;
+    const double w_3_0 = s[0].v - g->g[6][i] - g->x[6][i] * t3;
+    const double w_3_1 = s[1].v - g->g[7][i] - g->x[7][i] * t3;
+    const double w_3_2 = s[2].v - g->g[8][i] - g->L[i] * sin_3;
+    const double h1 = g->x[0][i] * sin_1;
+    const double h2 = g->x[1][i] * sin_1;
+    const double b_0 = g->L[i] * (cos_1 * w_1_2 - w_1_0 * h1 - w_1_1 * h2);
+    const double h3 = g->x[3][i] * sin_2;
+    const double h4 = g->x[4][i] * sin_2;
+    const double b_1 = g->L[i] * (cos_2 * w_2_2 - w_2_0 * h3 - w_2_1 * h4);
+    const double h5 = g->x[6][i] * sin_3;
+    const double h6 = g->x[7][i] * sin_3;
+    const double b_2 = g->L[i] * (cos_3 * w_3_2 - w_3_0 * h5 - w_3_1 * h6);
     const double h7 = w_2_1 * w_3_2 - w_2_2 * w_3_1;
     const double h8 = w_2_2 * w_3_0 - w_2_0 * w_3_2;
     const double h9 = w_2_0 * w_3_1 - w_2_1 * w_3_0;
@@ -920,30 +923,30 @@ static inline void krhpr_subleg_delta_bias_tangent(
     const double t5 = theta_dot[1].v * cos_2;
     const double h36 = theta_dot[2].v * sin_3;
     const double t6 = theta_dot[2].v * cos_3;
-    const double t7 = g->L * h24;
-    const double h25 = s_dot_0 + g->x[0] * t7;
-    const double h27 = s_dot_1 + g->x[1] * t7;
-    const double h23 = s_dot_2 - g->L * t4;
-    const double t8 = g->L * h30;
-    const double h31 = s_dot_0 + g->x[3] * t8;
-    const double h33 = s_dot_1 + g->x[4] * t8;
-    const double h29 = s_dot_2 - g->L * t5;
-    const double t9 = g->L * h36;
-    const double h37 = s_dot_0 + g->x[6] * t9;
-    const double h39 = s_dot_1 + g->x[7] * t9;
-    const double h35 = s_dot_2 - g->L * t6;
-    const double h26 = g->x[0] * t4;
-    const double h28 = g->x[1] * t4;
+    const double t7 = g->L[i] * h24;
+    const double h25 = s_dot_0 + g->x[0][i] * t7;
+    const double h27 = s_dot_1 + g->x[1][i] * t7;
+    const double h23 = s_dot_2 - g->L[i] * t4;
+    const double t8 = g->L[i] * h30;
+    const double h31 = s_dot_0 + g->x[3][i] * t8;
+    const double h33 = s_dot_1 + g->x[4][i] * t8;
+    const double h29 = s_dot_2 - g->L[i] * t5;
+    const double t9 = g->L[i] * h36;
+    const double h37 = s_dot_0 + g->x[6][i] * t9;
+    const double h39 = s_dot_1 + g->x[7][i] * t9;
+    const double h35 = s_dot_2 - g->L[i] * t6;
+    const double h26 = g->x[0][i] * t4;
+    const double h28 = g->x[1][i] * t4;
     const double t10 = cos_1 * h23 - w_1_2 * h24 - (h1 * h25 + w_1_0 * h26) - (h2 * h27 + w_1_1 * h28);
-    const double h44 = g->L * t10;
-    const double h32 = g->x[3] * t5;
-    const double h34 = g->x[4] * t5;
+    const double h44 = g->L[i] * t10;
+    const double h32 = g->x[3][i] * t5;
+    const double h34 = g->x[4][i] * t5;
     const double t11 = cos_2 * h29 - w_2_2 * h30 - (h3 * h31 + w_2_0 * h32) - (h4 * h33 + w_2_1 * h34);
-    const double h46 = g->L * t11;
-    const double h38 = g->x[6] * t6;
-    const double h40 = g->x[7] * t6;
+    const double h46 = g->L[i] * t11;
+    const double h38 = g->x[6][i] * t6;
+    const double h40 = g->x[7][i] * t6;
     const double t12 = cos_3 * h35 - w_3_2 * h36 - (h5 * h37 + w_3_0 * h38) - (h6 * h39 + w_3_1 * h40);
-    const double h49 = g->L * t12;
+    const double h49 = g->L[i] * t12;
     const double h41 = w_3_2 * h33 + w_2_1 * h35 - (w_3_1 * h29 + w_2_2 * h39);
     const double h42 = w_3_0 * h29 + w_2_2 * h37 - (w_3_2 * h31 + w_2_0 * h35);
     const double h43 = w_3_1 * h31 + w_2_0 * h39 - (w_3_0 * h33 + w_2_1 * h37);
@@ -973,34 +976,34 @@ static inline void krhpr_subleg_delta_bias_tangent(
         const double t16 = cos_2 * theta[1].t[k];
         const double t17 = sin_3 * theta[2].t[k];
         const double t18 = cos_3 * theta[2].t[k];
-        const double t19 = g->L * t13;
-        const double t20 = s[0].t[k] + g->x[0] * t19;
-        const double t21 = s[1].t[k] + g->x[1] * t19;
-        const double t22 = s[2].t[k] - g->L * t14;
-        const double t23 = g->L * t15;
-        const double t24 = s[0].t[k] + g->x[3] * t23;
-        const double t25 = s[1].t[k] + g->x[4] * t23;
-        const double t26 = s[2].t[k] - g->L * t16;
-        const double t27 = g->L * t17;
-        const double t28 = s[0].t[k] + g->x[6] * t27;
-        const double t29 = s[1].t[k] + g->x[7] * t27;
-        const double t30 = s[2].t[k] - g->L * t18;
-        const double t31 = g->x[0] * t14;
-        const double t32 = g->x[1] * t14;
+        const double t19 = g->L[i] * t13;
+        const double t20 = s[0].t[k] + g->x[0][i] * t19;
+        const double t21 = s[1].t[k] + g->x[1][i] * t19;
+        const double t22 = s[2].t[k] - g->L[i] * t14;
+        const double t23 = g->L[i] * t15;
+        const double t24 = s[0].t[k] + g->x[3][i] * t23;
+        const double t25 = s[1].t[k] + g->x[4][i] * t23;
+        const double t26 = s[2].t[k] - g->L[i] * t16;
+        const double t27 = g->L[i] * t17;
+        const double t28 = s[0].t[k] + g->x[6][i] * t27;
+        const double t29 = s[1].t[k] + g->x[7][i] * t27;
+        const double t30 = s[2].t[k] - g->L[i] * t18;
+        const double t31 = g->x[0][i] * t14;
+        const double t32 = g->x[1][i] * t14;
         const double t33 = cos_1 * t22 - w_1_2 * t13 - (h1 * t20 + w_1_0 * t31) - (h2 * t21 + w_1_1 * t32);
-        const double t34 = g->x[3] * t16;
-        const double t35 = g->x[4] * t16;
+        const double t34 = g->x[3][i] * t16;
+        const double t35 = g->x[4][i] * t16;
         const double t36 = cos_2 * t26 - w_2_2 * t15 - (h3 * t24 + w_2_0 * t34) - (h4 * t25 + w_2_1 * t35);
-        const double t37 = g->x[6] * t18;
-        const double t38 = g->x[7] * t18;
+        const double t37 = g->x[6][i] * t18;
+        const double t38 = g->x[7][i] * t18;
         const double t39 = cos_3 * t30 - w_3_2 * t17 - (h5 * t28 + w_3_0 * t37) - (h6 * t29 + w_3_1 * t38);
         const double t40 = w_3_2 * t25 + w_2_1 * t30 - (w_3_1 * t26 + w_2_2 * t29);
         const double t41 = w_3_0 * t26 + w_2_2 * t28 - (w_3_2 * t24 + w_2_0 * t30);
         const double t42 = w_3_1 * t24 + w_2_0 * t29 - (w_3_0 * t25 + w_2_1 * t28);
-        const double t43 = b_0 * theta_dot[0].t[k] + theta_dot[0].v * (g->L * t33);
-        const double t44 = b_1 * theta_dot[1].t[k] + theta_dot[1].v * (g->L * t36);
+        const double t43 = b_0 * theta_dot[0].t[k] + theta_dot[0].v * (g->L[i] * t33);
+        const double t44 = b_1 * theta_dot[1].t[k] + theta_dot[1].v * (g->L[i] * t36);
         const double t45 = w_3_1 * t22 + w_1_2 * t29 - (w_3_2 * t21 + w_1_1 * t30);
-        const double t46 = b_2 * theta_dot[2].t[k] + theta_dot[2].v * (g->L * t39);
+        const double t46 = b_2 * theta_dot[2].t[k] + theta_dot[2].v * (g->L[i] * t39);
         const double t47 = w_2_2 * t21 + w_1_1 * t26 - (w_2_1 * t22 + w_1_2 * t25);
         const double t48 = h15 * (h7 * t20 + w_1_0 * t40 + (h8 * t21 + w_1_1 * t41) + (h9 * t22 + w_1_2 * t42));
         const double t49 = h15 * t48;
@@ -1020,44 +1023,44 @@ static inline void krhpr_subleg_delta_bias_tangent(
         const double t63 = cos_2 * theta_dot[1].t[k] - theta_dot[1].v * t15;
         const double t64 = sin_3 * theta_dot[2].t[k] + theta_dot[2].v * t18;
         const double t65 = cos_3 * theta_dot[2].t[k] - theta_dot[2].v * t17;
-        const double t66 = g->L * t60;
-        const double t67 = t51 + g->x[0] * t66;
-        const double t68 = t55 + g->x[1] * t66;
-        const double t69 = t59 - g->L * t61;
-        const double t70 = g->L * t62;
-        const double t71 = t51 + g->x[3] * t70;
-        const double t72 = t55 + g->x[4] * t70;
-        const double t73 = t59 - g->L * t63;
-        const double t74 = g->L * t64;
-        const double t75 = t51 + g->x[6] * t74;
-        const double t76 = t55 + g->x[7] * t74;
-        const double t77 = t59 - g->L * t65;
-        const double t78 = cos_1 * t69 - h23 * t13 - (h24 * t22 + w_1_2 * t60) - (h25 * t31 + h1 * t67 + (h26 * t20 + w_1_0 * (g->x[0] * t61)));
-        const double t79 = cos_2 * t73 - h29 * t15 - (h30 * t26 + w_2_2 * t62) - (h31 * t34 + h3 * t71 + (h32 * t24 + w_2_0 * (g->x[3] * t63)));
-        const double t80 = cos_3 * t77 - h35 * t17 - (h36 * t30 + w_3_2 * t64) - (h37 * t37 + h5 * t75 + (h38 * t28 + w_3_0 * (g->x[6] * t65)));
-        const double t81 = h33 * t30 + w_3_2 * t72 + (h35 * t25 + w_2_1 * t77) - (h29 * t29 + w_3_1 * t73 + (h39 * t26 + w_2_2 * t76));
-        const double t82 = h29 * t28 + w_3_0 * t73 + (h37 * t26 + w_2_2 * t75) - (h31 * t30 + w_3_2 * t71 + (h35 * t24 + w_2_0 * t77));
-        const double t83 = h25 * t40 + h7 * t67 + (h41 * t20 + w_1_0 * t81) + (h27 * t41 + h8 * t68 + (h42 * t21 + w_1_1 * t82));
-        const double t84 = h31 * t29 + w_3_1 * t71 + (h39 * t24 + w_2_0 * t76) - (h33 * t28 + w_3_0 * t72 + (h37 * t25 + w_2_1 * t75));
-        const double t85 = t83 + (h23 * t42 + h9 * t69 + (h43 * t22 + w_1_2 * t84));
-        const double t86 = theta_dot[0].v * (g->L * (t78 - (h27 * t32 + h2 * t68 + (h28 * t21 + w_1_1 * (g->x[1] * t61)))));
-        const double t87 = h44 * theta_dot[0].t[k] + t86;
-        const double t88 = theta_dot[1].v * (g->L * (t79 - (h33 * t35 + h4 * t72 + (h34 * t25 + w_2_1 * (g->x[4] * t63)))));
-        const double t89 = h46 * theta_dot[1].t[k] + t88;
-        const double t90 = h23 * t29 + w_3_1 * t69 + (h39 * t22 + w_1_2 * t76) - (h27 * t30 + w_3_2 * t68 + (h35 * t21 + w_1_1 * t77));
-        const double t91 = h41 * t43 + h10 * t81 + (h45 * t40 + h7 * t87) + (h47 * t45 + h11 * t89 + (h48 * t44 + h12 * t90));
-        const double t92 = theta_dot[2].v * (g->L * (t80 - (h39 * t38 + h6 * t76 + (h40 * t29 + w_3_1 * (g->x[7] * t65)))));
-        const double t93 = h49 * theta_dot[2].t[k] + t92;
+        const double t66 = g->L[i] * t60;
+        const double t67 = t51 + g->x[0][i] * t66;
+        const double t68 = t55 + g->x[1][i] * t66;
+        const double t69 = t59 - g->L[i] * t61;
+        const double t70 = g->L[i] * t62;
+        const double t71 = t51 + g->x[3][i] * t70;
+        const double t72 = t55 + g->x[4][i] * t70;
+        const double t73 = t59 - g->L[i] * t63;
+        const double t74 = g->L[i] * t64;
+        const double t75 = t51 + g->x[6][i] * t74;
+        const double t76 = t55 + g->x[7][i] * t74;
+        const double t77 = t59 - g->L[i] * t65;
+        const double t78 = cos_1 * t69 - h23 * t13 - (h24 * t22 + w_1_2 * t60) - (h25 * t31 + h1 * t67 + (h26 * t20 + w_1_0 * (g->x[0][i] * t61)));
+        const double t79 = g->L[i] * (t78 - (h27 * t32 + h2 * t68 + (h28 * t21 + w_1_1 * (g->x[1][i] * t61))));
+        const double t80 = cos_2 * t73 - h29 * t15 - (h30 * t26 + w_2_2 * t62) - (h31 * t34 + h3 * t71 + (h32 * t24 + w_2_0 * (g->x[3][i] * t63)));
+        const double t81 = g->L[i] * (t80 - (h33 * t35 + h4 * t72 + (h34 * t25 + w_2_1 * (g->x[4][i] * t63))));
+        const double t82 = cos_3 * t77 - h35 * t17 - (h36 * t30 + w_3_2 * t64) - (h37 * t37 + h5 * t75 + (h38 * t28 + w_3_0 * (g->x[6][i] * t65)));
+        const double t83 = g->L[i] * (t82 - (h39 * t38 + h6 * t76 + (h40 * t29 + w_3_1 * (g->x[7][i] * t65))));
+        const double t84 = h33 * t30 + w_3_2 * t72 + (h35 * t25 + w_2_1 * t77) - (h29 * t29 + w_3_1 * t73 + (h39 * t26 + w_2_2 * t76));
+        const double t85 = h29 * t28 + w_3_0 * t73 + (h37 * t26 + w_2_2 * t75) - (h31 * t30 + w_3_2 * t71 + (h35 * t24 + w_2_0 * t77));
+        const double t86 = h25 * t40 + h7 * t67 + (h41 * t20 + w_1_0 * t84) + (h27 * t41 + h8 * t68 + (h42 * t21 + w_1_1 * t85));
+        const double t87 = h31 * t29 + w_3_1 * t71 + (h39 * t24 + w_2_0 * t76) - (h33 * t28 + w_3_0 * t72 + (h37 * t25 + w_2_1 * t75));
+        const double t88 = t86 + (h23 * t42 + h9 * t69 + (h43 * t22 + w_1_2 * t87));
+        const double t89 = h44 * theta_dot[0].t[k] + theta_dot[0].v * t79;
+        const double t90 = h46 * theta_dot[1].t[k] + theta_dot[1].v * t81;
+        const double t91 = h23 * t29 + w_3_1 * t69 + (h39 * t22 + w_1_2 * t76) - (h27 * t30 + w_3_2 * t68 + (h35 * t21 + w_1_1 * t77));
+        const double t92 = h41 * t43 + h10 * t84 + (h45 * t40 + h7 * t89) + (h47 * t45 + h11 * t90 + (h48 * t44 + h12 * t91));
+        const double t93 = h49 * theta_dot[2].t[k] + theta_dot[2].v * t83;
         const double t94 = h27 * t26 + w_2_2 * t68 + (h29 * t21 + w_1_1 * t73) - (h23 * t25 + w_2_1 * t69 + (h33 * t22 + w_1_2 * t72));
-        const double t95 = t91 + (h50 * t47 + h13 * t93 + (h51 * t46 + h14 * t94)) - (h52 * t51 + s_dot_0 * t85);
+        const double t95 = t92 + (h50 * t47 + h13 * t93 + (h51 * t46 + h14 * t94)) - (h52 * t51 + s_dot_0 * t88);
         const double t96 = h25 * t30 + w_3_2 * t67 + (h35 * t20 + w_1_0 * t77) - (h23 * t28 + w_3_0 * t69 + (h37 * t22 + w_1_2 * t75));
-        const double t97 = h42 * t43 + h10 * t82 + (h45 * t41 + h8 * t87) + (h47 * t52 + h17 * t89 + (h54 * t44 + h12 * t96));
+        const double t97 = h42 * t43 + h10 * t85 + (h45 * t41 + h8 * t89) + (h47 * t52 + h17 * t90 + (h54 * t44 + h12 * t96));
         const double t98 = h23 * t24 + w_2_0 * t69 + (h31 * t22 + w_1_2 * t71) - (h25 * t26 + w_2_2 * t67 + (h29 * t20 + w_1_0 * t73));
-        const double t99 = t97 + (h50 * t53 + h18 * t93 + (h55 * t46 + h14 * t98)) - (h52 * t55 + s_dot_1 * t85);
+        const double t99 = t97 + (h50 * t53 + h18 * t93 + (h55 * t46 + h14 * t98)) - (h52 * t55 + s_dot_1 * t88);
         const double t100 = h27 * t28 + w_3_0 * t68 + (h37 * t21 + w_1_1 * t75) - (h25 * t29 + w_3_1 * t67 + (h39 * t20 + w_1_0 * t76));
-        const double t101 = h43 * t43 + h10 * t84 + (h45 * t42 + h9 * t87) + (h47 * t56 + h20 * t89 + (h57 * t44 + h12 * t100));
+        const double t101 = h43 * t43 + h10 * t87 + (h45 * t42 + h9 * t89) + (h47 * t56 + h20 * t90 + (h57 * t44 + h12 * t100));
         const double t102 = h25 * t25 + w_2_1 * t67 + (h33 * t20 + w_1_0 * t72) - (h27 * t24 + w_2_0 * t68 + (h31 * t21 + w_1_1 * t71));
-        const double t103 = t101 + (h50 * t57 + h21 * t93 + (h58 * t46 + h14 * t102)) - (h52 * t59 + s_dot_2 * t85);
+        const double t103 = t101 + (h50 * t57 + h21 * t93 + (h58 * t46 + h14 * t102)) - (h52 * t59 + s_dot_2 * t88);
         s_dot[0].t[k] = t51;
         s_dot[1].t[k] = t55;
         s_dot[2].t[k] = t59;
@@ -1070,10 +1073,11 @@ static inline void krhpr_subleg_delta_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 33
  * multiply, 6 divide) */
 static inline void krhpr_subleg_delta_rates_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *b, const krhpr_dual *s_dot,
-    krhpr_dual *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = w[0].v * s_dot[0].v + w[1].v * s_dot[1].v + w[2].v * s_dot[2].v;
     const double w_1 = w[3].v * s_dot[0].v + w[4].v * s_dot[1].v + w[5].v * s_dot[2].v;
     const double w_2 = w[6].v * s_dot[0].v + w[7].v * s_dot[1].v + w[8].v * s_dot[2].v;
@@ -1102,7 +1106,7 @@ static inline void krhpr_subleg_delta_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (22 add,
  * 43 multiply, 2 divide) */
 static inline void krhpr_subleg_delta_determinant_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
@@ -1113,10 +1117,10 @@ static inline void krhpr_subleg_delta_determinant_tangent(
     const double det_M_a = b[2].v * h4 / volume;
     const double h5 = 1.0 / volume;
     det_M[0].v = det_M_a;
-    factors[0].v = b[0].v * g->k[4];
-    factors[1].v = b[1].v * g->k[4];
-    factors[2].v = b[2].v * g->k[4];
-    factors[3].v = volume * g->k[3];
+    factors[0].v = b[0].v * g->k[4][i];
+    factors[1].v = b[1].v * g->k[4][i];
+    factors[2].v = b[2].v * g->k[4][i];
+    factors[3].v = volume * g->k[3][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[8].v * w[4].t[k] + w[4].v * w[8].t[k] - (w[7].v * w[5].t[k] + w[5].v * w[7].t[k]);
         const double t2 = w[6].v * w[5].t[k] + w[5].v * w[6].t[k] - (w[8].v * w[3].t[k] + w[3].v * w[8].t[k]);
@@ -1124,34 +1128,34 @@ static inline void krhpr_subleg_delta_determinant_tangent(
         const double t4 = h1 * w[0].t[k] + w[0].v * t1 + (h2 * w[1].t[k] + w[1].v * t2) + (h3 * w[2].t[k] + w[2].v * t3);
         const double t5 = h4 * b[2].t[k] + b[2].v * (b[1].v * b[0].t[k] + b[0].v * b[1].t[k]) - det_M_a * t4;
         det_M[0].t[k] = h5 * t5;
-        factors[0].t[k] = g->k[4] * b[0].t[k];
-        factors[1].t[k] = g->k[4] * b[1].t[k];
-        factors[2].t[k] = g->k[4] * b[2].t[k];
-        factors[3].t[k] = g->k[3] * t4;
+        factors[0].t[k] = g->k[4][i] * b[0].t[k];
+        factors[1].t[k] = g->k[4][i] * b[1].t[k];
+        factors[2].t[k] = g->k[4][i] * b[2].t[k];
+        factors[3].t[k] = g->k[3][i] * t4;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 108 multiply, 9
  * divide, 3 square root, 6 arctangent) */
 static inline void krhpr_subleg_delta_passive_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *u,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *u,
     krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double q_1_0 = g->x[0] * w[0].v + g->x[1] * w[1].v;
+    const double q_1_0 = g->x[0][i] * w[0].v + g->x[1][i] * w[1].v;
     const double h2 = w[2].v * u[0].v - u[1].v * q_1_0;
     const double h1 = u[0].v * q_1_0 + w[2].v * u[1].v;
     const double size_1 = sqrt(q_1_0 * q_1_0 + w[2].v * w[2].v);
-    const double h5 = g->x[0] * w[1].v - g->x[1] * w[0].v;
-    const double q_2_0 = g->x[3] * w[3].v + g->x[4] * w[4].v;
+    const double h5 = g->x[0][i] * w[1].v - g->x[1][i] * w[0].v;
+    const double q_2_0 = g->x[3][i] * w[3].v + g->x[4][i] * w[4].v;
     const double h8 = w[5].v * u[2].v - u[3].v * q_2_0;
     const double h7 = u[2].v * q_2_0 + w[5].v * u[3].v;
     const double size_2 = sqrt(q_2_0 * q_2_0 + w[5].v * w[5].v);
-    const double h11 = g->x[3] * w[4].v - g->x[4] * w[3].v;
-    const double q_3_0 = g->x[6] * w[6].v + g->x[7] * w[7].v;
+    const double h11 = g->x[3][i] * w[4].v - g->x[4][i] * w[3].v;
+    const double q_3_0 = g->x[6][i] * w[6].v + g->x[7][i] * w[7].v;
     const double h14 = w[8].v * u[4].v - u[5].v * q_3_0;
     const double h13 = u[4].v * q_3_0 + w[8].v * u[5].v;
     const double size_3 = sqrt(q_3_0 * q_3_0 + w[8].v * w[8].v);
-    const double h17 = g->x[6] * w[7].v - g->x[7] * w[6].v;
+    const double h17 = g->x[6][i] * w[7].v - g->x[7][i] * w[6].v;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
     const double h4 = 1.0 / size_1;
     const double h6 = 1.0 / (size_1 * size_1 + h5 * h5);
@@ -1167,34 +1171,34 @@ static inline void krhpr_subleg_delta_passive_tangent(
     passive[3].v = krhpr_atan2(h11, size_2);
     passive[4].v = krhpr_atan2(h14, h13);
     passive[5].v = krhpr_atan2(h17, size_3);
-    link[0].v = g->e_x[0];
-    link[1].v = g->e_1[0];
-    link[2].v = g->e_t[0];
-    link[3].v = g->e_x[1];
-    link[4].v = g->e_1[1];
-    link[5].v = g->e_t[1];
-    link[6].v = g->e_x[2];
-    link[7].v = g->e_1[2];
+    link[0].v = g->e_x[0][i];
+    link[1].v = g->e_1[0][i];
+    link[2].v = g->e_t[0][i];
+    link[3].v = g->e_x[1][i];
+    link[4].v = g->e_1[1][i];
+    link[5].v = g->e_t[1][i];
+    link[6].v = g->e_x[2][i];
+    link[7].v = g->e_1[2][i];
     link[8].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->x[0] * w[0].t[k] + g->x[1] * w[1].t[k];
+        const double t1 = g->x[0][i] * w[0].t[k] + g->x[1][i] * w[1].t[k];
         const double t2 = h1 * (u[0].v * w[2].t[k] + w[2].v * u[0].t[k] - (q_1_0 * u[1].t[k] + u[1].v * t1));
         const double t3 = h2 * (q_1_0 * u[0].t[k] + u[0].v * t1 + (u[1].v * w[2].t[k] + w[2].v * u[1].t[k]));
         const double t4 = q_1_0 * t1;
         const double t5 = w[2].v * w[2].t[k];
-        const double t6 = size_1 * (g->x[0] * w[1].t[k] - g->x[1] * w[0].t[k]) - h5 * (h4 * (0.5 * (t4 + t4 + (t5 + t5))));
-        const double t7 = g->x[3] * w[3].t[k] + g->x[4] * w[4].t[k];
+        const double t6 = size_1 * (g->x[0][i] * w[1].t[k] - g->x[1][i] * w[0].t[k]) - h5 * (h4 * (0.5 * (t4 + t4 + (t5 + t5))));
+        const double t7 = g->x[3][i] * w[3].t[k] + g->x[4][i] * w[4].t[k];
         const double t8 = h7 * (u[2].v * w[5].t[k] + w[5].v * u[2].t[k] - (q_2_0 * u[3].t[k] + u[3].v * t7));
         const double t9 = h8 * (q_2_0 * u[2].t[k] + u[2].v * t7 + (u[3].v * w[5].t[k] + w[5].v * u[3].t[k]));
         const double t10 = q_2_0 * t7;
         const double t11 = w[5].v * w[5].t[k];
-        const double t12 = size_2 * (g->x[3] * w[4].t[k] - g->x[4] * w[3].t[k]) - h11 * (h10 * (0.5 * (t10 + t10 + (t11 + t11))));
-        const double t13 = g->x[6] * w[6].t[k] + g->x[7] * w[7].t[k];
+        const double t12 = size_2 * (g->x[3][i] * w[4].t[k] - g->x[4][i] * w[3].t[k]) - h11 * (h10 * (0.5 * (t10 + t10 + (t11 + t11))));
+        const double t13 = g->x[6][i] * w[6].t[k] + g->x[7][i] * w[7].t[k];
         const double t14 = h13 * (u[4].v * w[8].t[k] + w[8].v * u[4].t[k] - (q_3_0 * u[5].t[k] + u[5].v * t13));
         const double t15 = h14 * (q_3_0 * u[4].t[k] + u[4].v * t13 + (u[5].v * w[8].t[k] + w[8].v * u[5].t[k]));
         const double t16 = q_3_0 * t13;
         const double t17 = w[8].v * w[8].t[k];
-        const double t18 = size_3 * (g->x[6] * w[7].t[k] - g->x[7] * w[6].t[k]) - h17 * (h16 * (0.5 * (t16 + t16 + (t17 + t17))));
+        const double t18 = size_3 * (g->x[6][i] * w[7].t[k] - g->x[7][i] * w[6].t[k]) - h17 * (h16 * (0.5 * (t16 + t16 + (t17 + t17))));
         passive[0].t[k] = h3 * (t2 - t3);
         passive[1].t[k] = h6 * t6;
         passive[2].t[k] = h9 * (t8 - t9);
@@ -1215,18 +1219,18 @@ static inline void krhpr_subleg_delta_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (18 add) */
 static inline void krhpr_subleg_delta_points_tangent(
-    const krhpr_subleg_delta_geometry *g, const krhpr_dual *w, const krhpr_dual *s,
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->g[0];
-    points[1].v = g->g[1];
-    points[2].v = g->g[2];
-    points[3].v = g->g[3];
-    points[4].v = g->g[4];
-    points[5].v = g->g[5];
-    points[6].v = g->g[6];
-    points[7].v = g->g[7];
-    points[8].v = g->g[8];
+    points[0].v = g->g[0][i];
+    points[1].v = g->g[1][i];
+    points[2].v = g->g[2][i];
+    points[3].v = g->g[3][i];
+    points[4].v = g->g[4][i];
+    points[5].v = g->g[5][i];
+    points[6].v = g->g[6][i];
+    points[7].v = g->g[7][i];
+    points[8].v = g->g[8][i];
     points[9].v = s[0].v - w[0].v;
     points[10].v = s[1].v - w[1].v;
     points[11].v = s[2].v - w[2].v;

@@ -13,53 +13,55 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (43 add, 63
  * multiply, 2 divide, 1 square root, 2 sine cosine) */
 static inline void krhpr_subleg_p_fivebar_forward_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double f_0 = u_1_0 - u_2_0;
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0;
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double s_0 = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0].v;
+    const double s_1 = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0].v;
     const double h7 = 1.0 / t1;
-    s[0].v = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0].v;
-    s[1].v = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0].v;
-    s[2].v = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    s[0].v = s_0;
+    s[1].v = s_1;
+    s[2].v = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t3 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t4 = g->l_2 * (h3 * theta[2].t[k]) - t2;
-        const double t5 = t3 - g->l_2 * (h4 * theta[2].t[k]);
+        const double t2 = g->l_4[i] * (h1 * theta[1].t[k]);
+        const double t3 = g->l_4[i] * (h2 * theta[1].t[k]);
+        const double t4 = g->l_2[i] * (h3 * theta[2].t[k]) - t2;
+        const double t5 = t3 - g->l_2[i] * (h4 * theta[2].t[k]);
         const double t6 = f_0 * t4;
         const double t7 = f_1 * t5;
         const double t8 = t6 + t6 + (t7 + t7);
         const double t9 = h5 * (h5 * t8);
         const double t10 = h5 * (0.5 * t8) - h6 * t9;
         const double t11 = along * t10;
-        const double t12 = g->k[0] * t9 + (t11 + t11);
+        const double t12 = g->k[0][i] * t9 + (t11 + t11);
         const double t13 = assembly[0] * (h7 * (0.5 * t12));
-        const double t14 = g->k[2] * (along * t4 + f_0 * t10 - (across * t5 - f_1 * t13) - t4) - t2;
-        const double t15 = t3 + g->k[2] * (across * t4 - f_0 * t13 + (along * t5 + f_1 * t10) - t5);
-        s[0].t[k] = g->e_x[0] * t14 + g->e_1[0] * t15 + g->e_t[0] * theta[0].t[k];
-        s[1].t[k] = g->e_x[1] * t14 + g->e_1[1] * t15 + g->e_t[1] * theta[0].t[k];
-        s[2].t[k] = g->e_x[2] * t14 + g->e_1[2] * t15;
+        const double t14 = g->k[2][i] * (along * t4 + f_0 * t10 - (across * t5 - f_1 * t13) - t4) - t2;
+        const double t15 = t3 + g->k[2][i] * (across * t4 - f_0 * t13 + (along * t5 + f_1 * t10) - t5);
+        s[0].t[k] = g->e_x[0][i] * t14 + g->e_1[0][i] * t15 + g->e_t[0][i] * theta[0].t[k];
+        s[1].t[k] = g->e_x[1][i] * t14 + g->e_1[1][i] * t15 + g->e_t[1][i] * theta[0].t[k];
+        s[2].t[k] = g->e_x[2][i] * t14 + g->e_1[2][i] * t15;
         radicand[0].t[k] = -t12;
     }
 }
@@ -67,35 +69,37 @@ static inline void krhpr_subleg_p_fivebar_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (43
  * add, 63 multiply, 2 divide, 1 square root, 2 sine cosine) */
 static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1,
     krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double f_0 = u_1_0 - u_2_0;
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0;
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double s_0 = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0].v;
+    const double s_1 = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0].v;
     const double h7 = 1.0 / t1;
-    s[0].v = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0].v;
-    s[1].v = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0].v;
-    s[2].v = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    s[0].v = s_0;
+    s[1].v = s_1;
+    s[2].v = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     d[0].v = d_0;
     d[1].v = d_1;
     u_1[0].v = u_1_0;
@@ -104,10 +108,10 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
     u_2[1].v = u_2_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t3 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t4 = g->l_2 * (h3 * theta[2].t[k]);
-        const double t5 = g->l_2 * (h4 * theta[2].t[k]);
+        const double t2 = g->l_4[i] * (h1 * theta[1].t[k]);
+        const double t3 = g->l_4[i] * (h2 * theta[1].t[k]);
+        const double t4 = g->l_2[i] * (h3 * theta[2].t[k]);
+        const double t5 = g->l_2[i] * (h4 * theta[2].t[k]);
         const double t6 = t4 - t2;
         const double t7 = t3 - t5;
         const double t8 = f_0 * t6;
@@ -116,13 +120,13 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
         const double t11 = h5 * (h5 * t10);
         const double t12 = h5 * (0.5 * t10) - h6 * t11;
         const double t13 = along * t12;
-        const double t14 = g->k[0] * t11 + (t13 + t13);
+        const double t14 = g->k[0][i] * t11 + (t13 + t13);
         const double t15 = assembly[0] * (h7 * (0.5 * t14));
-        const double t16 = g->k[2] * (along * t6 + f_0 * t12 - (across * t7 - f_1 * t15) - t6) - t2;
-        const double t17 = t3 + g->k[2] * (across * t6 - f_0 * t15 + (along * t7 + f_1 * t12) - t7);
-        s[0].t[k] = g->e_x[0] * t16 + g->e_1[0] * t17 + g->e_t[0] * theta[0].t[k];
-        s[1].t[k] = g->e_x[1] * t16 + g->e_1[1] * t17 + g->e_t[1] * theta[0].t[k];
-        s[2].t[k] = g->e_x[2] * t16 + g->e_1[2] * t17;
+        const double t16 = g->k[2][i] * (along * t6 + f_0 * t12 - (across * t7 - f_1 * t15) - t6) - t2;
+        const double t17 = t3 + g->k[2][i] * (across * t6 - f_0 * t15 + (along * t7 + f_1 * t12) - t7);
+        s[0].t[k] = g->e_x[0][i] * t16 + g->e_1[0][i] * t17 + g->e_t[0][i] * theta[0].t[k];
+        s[1].t[k] = g->e_x[1][i] * t16 + g->e_1[1][i] * t17 + g->e_t[1][i] * theta[0].t[k];
+        s[2].t[k] = g->e_x[2][i] * t16 + g->e_1[2][i] * t17;
         d[0].t[k] = t16;
         d[1].t[k] = t17;
         u_1[0].t[k] = -t2;
@@ -136,22 +140,22 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (68 add,
  * 77 multiply, 2 divide, 1 square root, 2 sine cosine) */
 static inline void krhpr_subleg_p_fivebar_forward_all_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double f_0 = u_1_0 - u_2_0;
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double across = sqrt(h2_a);
     const double t1 = f_0 * along;
     const double t2 = f_1 * across;
@@ -161,53 +165,53 @@ static inline void krhpr_subleg_p_fivebar_forward_all_tangent(
     const double meeting_1 = t3 + t4;
     const double w_0 = meeting_0 - f_0;
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
-    const double t5 = g->e_t[0] * theta[0].v;
-    const double t6 = g->e_t[1] * theta[0].v;
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
+    const double t5 = g->e_t[0][i] * theta[0].v;
+    const double t6 = g->e_t[1][i] * theta[0].v;
     const double meeting_0_a = t1 + t2;
     const double meeting_1_a = t4 - t3;
     const double w_0_a = meeting_0_a - f_0;
     const double w_1_a = meeting_1_a - f_1;
-    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
-    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
+    const double d_0_a = u_1_0 + g->k[2][i] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2][i] * w_1_a;
     const double h7 = 1.0 / across;
-    s[0].v = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + t5;
-    s[1].v = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + t6;
-    s[2].v = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
-    s[3].v = t5 + (g->c[0] + g->e_x[0] * d_0_a + g->e_1[0] * d_1_a);
-    s[4].v = t6 + (g->c[1] + g->e_x[1] * d_0_a + g->e_1[1] * d_1_a);
-    s[5].v = g->c[2] + g->e_x[2] * d_0_a + g->e_1[2] * d_1_a;
+    s[0].v = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + t5;
+    s[1].v = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + t6;
+    s[2].v = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
+    s[3].v = t5 + (g->c[0][i] + g->e_x[0][i] * d_0_a + g->e_1[0][i] * d_1_a);
+    s[4].v = t6 + (g->c[1][i] + g->e_x[1][i] * d_0_a + g->e_1[1][i] * d_1_a);
+    s[5].v = g->c[2][i] + g->e_x[2][i] * d_0_a + g->e_1[2][i] * d_1_a;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t7 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t8 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t9 = g->l_2 * (h3 * theta[2].t[k]) - t7;
-        const double t10 = t8 - g->l_2 * (h4 * theta[2].t[k]);
+        const double t7 = g->l_4[i] * (h1 * theta[1].t[k]);
+        const double t8 = g->l_4[i] * (h2 * theta[1].t[k]);
+        const double t9 = g->l_2[i] * (h3 * theta[2].t[k]) - t7;
+        const double t10 = t8 - g->l_2[i] * (h4 * theta[2].t[k]);
         const double t11 = f_0 * t9;
         const double t12 = f_1 * t10;
         const double t13 = t11 + t11 + (t12 + t12);
         const double t14 = h5 * (h5 * t13);
         const double t15 = h5 * (0.5 * t13) - h6 * t14;
         const double t16 = along * t15;
-        const double t17 = g->k[0] * t14 + (t16 + t16);
+        const double t17 = g->k[0][i] * t14 + (t16 + t16);
         const double t18 = h7 * (0.5 * t17);
         const double t19 = along * t9 + f_0 * t15;
         const double t20 = across * t10 - f_1 * t18;
         const double t21 = across * t9 - f_0 * t18;
         const double t22 = along * t10 + f_1 * t15;
-        const double t23 = g->k[2] * (t19 - t20 - t9) - t7;
-        const double t24 = t8 + g->k[2] * (t21 + t22 - t10);
-        const double t25 = g->e_t[0] * theta[0].t[k];
-        const double t26 = g->e_t[1] * theta[0].t[k];
-        const double t27 = g->k[2] * (t19 + t20 - t9) - t7;
-        const double t28 = t8 + g->k[2] * (t22 - t21 - t10);
-        s[0].t[k] = g->e_x[0] * t23 + g->e_1[0] * t24 + t25;
-        s[1].t[k] = g->e_x[1] * t23 + g->e_1[1] * t24 + t26;
-        s[2].t[k] = g->e_x[2] * t23 + g->e_1[2] * t24;
-        s[3].t[k] = t25 + (g->e_x[0] * t27 + g->e_1[0] * t28);
-        s[4].t[k] = t26 + (g->e_x[1] * t27 + g->e_1[1] * t28);
-        s[5].t[k] = g->e_x[2] * t27 + g->e_1[2] * t28;
+        const double t23 = g->k[2][i] * (t19 - t20 - t9) - t7;
+        const double t24 = t8 + g->k[2][i] * (t21 + t22 - t10);
+        const double t25 = g->e_t[0][i] * theta[0].t[k];
+        const double t26 = g->e_t[1][i] * theta[0].t[k];
+        const double t27 = g->k[2][i] * (t19 + t20 - t9) - t7;
+        const double t28 = t8 + g->k[2][i] * (t22 - t21 - t10);
+        s[0].t[k] = g->e_x[0][i] * t23 + g->e_1[0][i] * t24 + t25;
+        s[1].t[k] = g->e_x[1][i] * t23 + g->e_1[1][i] * t24 + t26;
+        s[2].t[k] = g->e_x[2][i] * t23 + g->e_1[2][i] * t24;
+        s[3].t[k] = t25 + (g->e_x[0][i] * t27 + g->e_1[0][i] * t28);
+        s[4].t[k] = t26 + (g->e_x[1][i] * t27 + g->e_1[1][i] * t28);
+        s[5].t[k] = g->e_x[2][i] * t27 + g->e_1[2][i] * t28;
         radicand[0].t[k] = -t17;
     }
 }
@@ -215,21 +219,21 @@ static inline void krhpr_subleg_p_fivebar_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
  * (61 add, 88 multiply, 5 divide, 2 square root, 2 arctangent) */
 static inline void krhpr_subleg_p_fivebar_inverse_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[3];
-    const double h1 = g->k[4] - d2;
+    const double h2 = d2 - g->k[3][i];
+    const double h1 = g->k[4][i] - d2;
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double A = d2 + g->k[5] - g->k[6];
+    const double A = d2 + g->k[5][i] - g->k[6][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double h6 = n * 0.5;
@@ -237,27 +241,27 @@ static inline void krhpr_subleg_p_fivebar_inverse_tangent(
     const double u_1_0 = h6 * h5;
     const double h7 = m * 0.5;
     const double u_1_1 = h5 * h7;
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0);
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0);
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h9 = d2_2 - g->k[8];
-    const double h8 = g->k[9] - d2_2;
+    const double h9 = d2_2 - g->k[8][i];
+    const double h8 = g->k[9][i] - d2_2;
     const double h2_2 = h9 * h8;
     const double t2 = sqrt(h2_2);
     const double S_2 = mode[1] * t2;
-    const double A_2 = d2_2 + g->k[10] - g->k[0];
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h3 = 1.0 / t1;
     const double h4 = 1.0 / (n * n + m * m);
     const double h10 = 1.0 / t2;
     const double h11 = 1.0 / (n_2 * n_2 + m_2 * m_2);
-    theta[0].v = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    theta[0].v = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     theta[1].v = krhpr_atan2(m, n);
     theta[2].v = krhpr_atan2(m_2, n_2);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t4 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t3 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t4 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t5 = d_0 * t3;
         const double t6 = d_1 * t4;
         const double t7 = t5 + t5 + (t6 + t6);
@@ -267,14 +271,14 @@ static inline void krhpr_subleg_p_fivebar_inverse_tangent(
         const double t11 = h5 * (h5 * t7);
         const double t12 = h5 * (0.5 * t9) - h6 * t11;
         const double t13 = h5 * (0.5 * t10) - h7 * t11;
-        const double t14 = t12 + g->k[7] * (t3 - t12);
-        const double t15 = t13 + g->k[7] * (t4 - t13);
+        const double t14 = t12 + g->k[7][i] * (t3 - t12);
+        const double t15 = t13 + g->k[7][i] * (t4 - t13);
         const double t16 = p_0 * t14;
         const double t17 = p_1 * t15;
         const double t18 = t16 + t16 + (t17 + t17);
         const double t19 = mode[1] * (h10 * (0.5 * (h8 * t18 - h9 * t18)));
         const double t20 = n_2 * (A_2 * t15 + p_1 * t18 - (S_2 * t14 + p_0 * t19)) - m_2 * (A_2 * t14 + p_0 * t18 + (S_2 * t15 + p_1 * t19));
-        theta[0].t[k] = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        theta[0].t[k] = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
         theta[1].t[k] = h4 * (n * t10 - m * t9);
         theta[2].t[k] = h11 * t20;
     }
@@ -283,19 +287,19 @@ static inline void krhpr_subleg_p_fivebar_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
  * (108 add, 139 multiply, 10 divide, 3 square root, 6 arctangent) */
 static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[3];
-    const double h1 = g->k[4] - d2;
+    const double h2 = d2 - g->k[3][i];
+    const double h1 = g->k[4][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double A = d2 + g->k[5] - g->k[6];
+    const double A = d2 + g->k[5][i] - g->k[6][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -308,21 +312,21 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const double u_1_0 = h6 * h5;
     const double h7 = m * 0.5;
     const double u_1_1 = h5 * h7;
-    const double p_0 = u_1_0 + g->k[7] * (d_0 - u_1_0);
-    const double p_1 = u_1_1 + g->k[7] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0);
+    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h9 = d2_2 - g->k[8];
-    const double h8 = g->k[9] - d2_2;
+    const double h9 = d2_2 - g->k[8][i];
+    const double h8 = g->k[9][i] - d2_2;
     const double h2_2 = h9 * h8;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[10] - g->k[0];
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;
     const double t7 = p_1 * A_2;
     const double t8 = p_0 * S_2;
     const double m_2 = t7 - t8;
-    const double theta_0 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double theta_0 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double n_2_a = t5 - t6;
     const double m_2_a = t7 + t8;
     const double n_a = t1 - t2;
@@ -332,14 +336,14 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const double u_1_0_a = h5 * h14;
     const double h15 = 0.5 * m_a;
     const double u_1_1_a = h5 * h15;
-    const double p_0_a = u_1_0_a + g->k[7] * (d_0 - u_1_0_a);
-    const double p_1_a = u_1_1_a + g->k[7] * (d_1 - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a);
+    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a);
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h17 = d2_2_a - g->k[8];
-    const double h16 = g->k[9] - d2_2_a;
+    const double h17 = d2_2_a - g->k[8][i];
+    const double h16 = g->k[9][i] - d2_2_a;
     const double h2_2_a = h17 * h16;
     const double S_2_a = sqrt(h2_2_a);
-    const double A_2_a = g->k[10] + d2_2_a - g->k[0];
+    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i];
     const double t9 = p_0_a * A_2_a;
     const double t10 = p_1_a * S_2_a;
     const double n_2_b = t9 + t10;
@@ -370,8 +374,8 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
     theta[10].v = theta_1_a;
     theta[11].v = krhpr_atan2(m_2_c, n_2_c);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t13 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t14 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t13 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t14 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t15 = d_0 * t13;
         const double t16 = d_1 * t14;
         const double t17 = t15 + t15 + (t16 + t16);
@@ -386,8 +390,8 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
         const double t26 = h5 * (h5 * t17);
         const double t27 = h5 * (0.5 * t21) - h6 * t26;
         const double t28 = h5 * (0.5 * t24) - h7 * t26;
-        const double t29 = t27 + g->k[7] * (t13 - t27);
-        const double t30 = t28 + g->k[7] * (t14 - t28);
+        const double t29 = t27 + g->k[7][i] * (t13 - t27);
+        const double t30 = t28 + g->k[7][i] * (t14 - t28);
         const double t31 = p_0 * t29;
         const double t32 = p_1 * t30;
         const double t33 = t31 + t31 + (t32 + t32);
@@ -396,14 +400,14 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
         const double t36 = S_2 * t30 + p_1 * t34;
         const double t37 = A_2 * t30 + p_1 * t33;
         const double t38 = S_2 * t29 + p_0 * t34;
-        const double t39 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        const double t39 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
         const double t40 = t19 - t20;
         const double t41 = t22 + t23;
         const double t42 = h13 * (n_a * t41 - m_a * t40);
         const double t43 = h5 * (0.5 * t40) - h14 * t26;
         const double t44 = h5 * (0.5 * t41) - h15 * t26;
-        const double t45 = t43 + g->k[7] * (t13 - t43);
-        const double t46 = t44 + g->k[7] * (t14 - t44);
+        const double t45 = t43 + g->k[7][i] * (t13 - t43);
+        const double t46 = t44 + g->k[7][i] * (t14 - t44);
         const double t47 = p_0_a * t45;
         const double t48 = p_1_a * t46;
         const double t49 = t47 + t47 + (t48 + t48);
@@ -430,48 +434,48 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (11 add, 24 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_p_fivebar_posture_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    d[0].v = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    d[1].v = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    u_1[0].v = g->l_4 * h2;
-    u_1[1].v = g->l_4 * h1;
-    u_2[0].v = g->l_2 * h4;
-    u_2[1].v = g->l_2 * h3;
+    d[0].v = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    d[1].v = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    u_1[0].v = g->l_4[i] * h2;
+    u_1[1].v = g->l_4[i] * h1;
+    u_2[0].v = g->l_2[i] * h4;
+    u_2[1].v = g->l_2[i] * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        d[0].t[k] = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        d[1].t[k] = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
-        u_1[0].t[k] = -g->l_4 * (h1 * theta[1].t[k]);
-        u_1[1].t[k] = g->l_4 * (h2 * theta[1].t[k]);
-        u_2[0].t[k] = -g->l_2 * (h3 * theta[2].t[k]);
-        u_2[1].t[k] = g->l_2 * (h4 * theta[2].t[k]);
+        d[0].t[k] = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        d[1].t[k] = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        u_1[0].t[k] = -g->l_4[i] * (h1 * theta[1].t[k]);
+        u_1[1].t[k] = g->l_4[i] * (h2 * theta[1].t[k]);
+        u_2[0].t[k] = -g->l_2[i] * (h3 * theta[2].t[k]);
+        u_2[1].t[k] = g->l_2[i] * (h4 * theta[2].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (56 add, 88 multiply, 1 divide) */
 static inline void krhpr_subleg_p_fivebar_jacobian_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7];
+    const double h2 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7];
+    const double h3 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7] * b_22;
+    const double h1 = g->k[7][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -482,61 +486,61 @@ static inline void krhpr_subleg_p_fivebar_jacobian_tangent(
     const double m_11 = h4 * h8;
     const double h9 = v_1_0 * b_33;
     const double m_12 = h4 * h9;
-    M[0].v = g->e_t[0];
-    M[1].v = g->e_1[0] * m_11 + g->e_x[0] * m_01;
-    M[2].v = g->e_1[0] * m_12 + g->e_x[0] * m_02;
-    M[3].v = g->e_t[1];
-    M[4].v = g->e_1[1] * m_11 + g->e_x[1] * m_01;
-    M[5].v = g->e_1[1] * m_12 + g->e_x[1] * m_02;
+    M[0].v = g->e_t[0][i];
+    M[1].v = g->e_1[0][i] * m_11 + g->e_x[0][i] * m_01;
+    M[2].v = g->e_1[0][i] * m_12 + g->e_x[0][i] * m_02;
+    M[3].v = g->e_t[1][i];
+    M[4].v = g->e_1[1][i] * m_11 + g->e_x[1][i] * m_01;
+    M[5].v = g->e_1[1][i] * m_12 + g->e_x[1][i] * m_02;
     M[6].v = 0.0;
-    M[7].v = g->e_1[2] * m_11 + g->e_x[2] * m_01;
-    M[8].v = g->e_1[2] * m_12 + g->e_x[2] * m_02;
+    M[7].v = g->e_1[2][i] * m_11 + g->e_x[2][i] * m_01;
+    M[8].v = g->e_1[2][i] * m_12 + g->e_x[2][i] * m_02;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7] * t3;
+        const double t5 = g->k[7][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7] * t4;
+        const double t7 = g->k[7][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
         const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
         const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
         M[0].t[k] = 0.0;
-        M[1].t[k] = g->e_1[0] * t16 + g->e_x[0] * t14;
-        M[2].t[k] = g->e_1[0] * t17 + g->e_x[0] * t15;
+        M[1].t[k] = g->e_1[0][i] * t16 + g->e_x[0][i] * t14;
+        M[2].t[k] = g->e_1[0][i] * t17 + g->e_x[0][i] * t15;
         M[3].t[k] = 0.0;
-        M[4].t[k] = g->e_1[1] * t16 + g->e_x[1] * t14;
-        M[5].t[k] = g->e_1[1] * t17 + g->e_x[1] * t15;
+        M[4].t[k] = g->e_1[1][i] * t16 + g->e_x[1][i] * t14;
+        M[5].t[k] = g->e_1[1][i] * t17 + g->e_x[1][i] * t15;
         M[6].t[k] = 0.0;
-        M[7].t[k] = g->e_1[2] * t16 + g->e_x[2] * t14;
-        M[8].t[k] = g->e_1[2] * t17 + g->e_x[2] * t15;
+        M[7].t[k] = g->e_1[2][i] * t16 + g->e_x[2][i] * t14;
+        M[8].t[k] = g->e_1[2][i] * t17 + g->e_x[2][i] * t15;
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (80 add, 120 multiply, 1 divide) */
 static inline void krhpr_subleg_p_fivebar_project_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7];
+    const double h2 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7];
+    const double h3 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7] * b_22;
+    const double h1 = g->k[7][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -547,12 +551,12 @@ static inline void krhpr_subleg_p_fivebar_project_tangent(
     const double m_11 = h4 * h8;
     const double h9 = v_1_0 * b_33;
     const double m_12 = h4 * h9;
-    const double n_00 = g->e_x[0] * N[0].v + g->e_x[1] * N[1].v + g->e_x[2] * N[2].v;
-    const double n_01 = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v + g->e_1[2] * N[2].v;
-    const double n_02 = g->e_t[0] * N[0].v + g->e_t[1] * N[1].v;
-    const double n_10 = g->e_x[0] * N[3].v + g->e_x[1] * N[4].v + g->e_x[2] * N[5].v;
-    const double n_11 = g->e_1[0] * N[3].v + g->e_1[1] * N[4].v + g->e_1[2] * N[5].v;
-    const double n_12 = g->e_t[0] * N[3].v + g->e_t[1] * N[4].v;
+    const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = g->e_t[0][i] * N[0].v + g->e_t[1][i] * N[1].v;
+    const double n_10 = g->e_x[0][i] * N[3].v + g->e_x[1][i] * N[4].v + g->e_x[2][i] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = g->e_t[0][i] * N[3].v + g->e_t[1][i] * N[4].v;
     K[0].v = n_02;
     K[1].v = m_01 * n_00 + m_11 * n_01;
     K[2].v = m_02 * n_00 + m_12 * n_01;
@@ -562,27 +566,27 @@ static inline void krhpr_subleg_p_fivebar_project_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7] * t3;
+        const double t5 = g->k[7][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7] * t4;
+        const double t7 = g->k[7][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
         const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
         const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
-        const double t18 = g->e_x[0] * N[0].t[k] + g->e_x[1] * N[1].t[k] + g->e_x[2] * N[2].t[k];
-        const double t19 = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k] + g->e_1[2] * N[2].t[k];
-        const double t20 = g->e_x[0] * N[3].t[k] + g->e_x[1] * N[4].t[k] + g->e_x[2] * N[5].t[k];
-        const double t21 = g->e_1[0] * N[3].t[k] + g->e_1[1] * N[4].t[k] + g->e_1[2] * N[5].t[k];
-        K[0].t[k] = g->e_t[0] * N[0].t[k] + g->e_t[1] * N[1].t[k];
+        const double t18 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t19 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t20 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t21 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        K[0].t[k] = g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k];
         K[1].t[k] = n_00 * t14 + m_01 * t18 + (n_01 * t16 + m_11 * t19);
         K[2].t[k] = n_00 * t15 + m_02 * t18 + (n_01 * t17 + m_12 * t19);
-        K[3].t[k] = g->e_t[0] * N[3].t[k] + g->e_t[1] * N[4].t[k];
+        K[3].t[k] = g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k];
         K[4].t[k] = n_10 * t14 + m_01 * t20 + (n_11 * t16 + m_11 * t21);
         K[5].t[k] = n_10 * t15 + m_02 * t20 + (n_11 * t17 + m_12 * t21);
     }
@@ -591,122 +595,122 @@ static inline void krhpr_subleg_p_fivebar_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (53 add,
  * 79 multiply, 1 divide) */
 static inline void krhpr_subleg_p_fivebar_velocity_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7];
+    const double h2 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7];
+    const double h3 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double w_1 = b_22 * theta_dot[1].v;
     const double w_2 = b_32 * theta_dot[1].v + b_33 * theta_dot[2].v;
-    const double h1 = g->k[7] * v_2_1;
+    const double h1 = g->k[7][i] * v_2_1;
     const double h5 = w_1 * h1 - v_1_1 * w_2;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double v_l_0 = h5 * h4;
-    const double h6 = g->k[7] * v_2_0;
+    const double h6 = g->k[7][i] * v_2_0;
     const double h7 = v_1_0 * w_2 - w_1 * h6;
     const double v_l_1 = h4 * h7;
-    s_dot[0].v = g->e_1[0] * v_l_1 + g->e_t[0] * theta_dot[0].v + g->e_x[0] * v_l_0;
-    s_dot[1].v = g->e_1[1] * v_l_1 + g->e_t[1] * theta_dot[0].v + g->e_x[1] * v_l_0;
-    s_dot[2].v = g->e_1[2] * v_l_1 + g->e_x[2] * v_l_0;
+    s_dot[0].v = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0].v + g->e_x[0][i] * v_l_0;
+    s_dot[1].v = g->e_1[1][i] * v_l_1 + g->e_t[1][i] * theta_dot[0].v + g->e_x[1][i] * v_l_0;
+    s_dot[2].v = g->e_1[2][i] * v_l_1 + g->e_x[2][i] * v_l_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = g->k[7] * t1;
+        const double t3 = g->k[7][i] * t1;
         const double t4 = u_1[0].t[k] + t3 - u_2[0].t[k];
-        const double t5 = g->k[7] * t2;
+        const double t5 = g->k[7][i] * t2;
         const double t6 = u_1[1].t[k] + t5 - u_2[1].t[k];
-        const double t7 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
+        const double t7 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
         const double t8 = theta_dot[1].v * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t9 = t8 + b_22 * theta_dot[1].t[k];
         const double t10 = theta_dot[2].v * (v_2_1 * u_2[0].t[k] + u_2[0].v * t6 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4));
         const double t11 = theta_dot[1].v * t7 + b_32 * theta_dot[1].t[k] + (t10 + b_33 * theta_dot[2].t[k]);
         const double t12 = h4 * (h4 * (v_2_1 * t3 + h2 * t6 - (h3 * t4 + v_2_0 * t5)));
-        const double t13 = h4 * (h1 * t9 + w_1 * (g->k[7] * t6) - (w_2 * t2 + v_1_1 * t11)) - h5 * t12;
-        const double t14 = h4 * (w_2 * t1 + v_1_0 * t11 - (h6 * t9 + w_1 * (g->k[7] * t4))) - h7 * t12;
-        s_dot[0].t[k] = g->e_1[0] * t14 + g->e_t[0] * theta_dot[0].t[k] + g->e_x[0] * t13;
-        s_dot[1].t[k] = g->e_1[1] * t14 + g->e_t[1] * theta_dot[0].t[k] + g->e_x[1] * t13;
-        s_dot[2].t[k] = g->e_1[2] * t14 + g->e_x[2] * t13;
+        const double t13 = h4 * (h1 * t9 + w_1 * (g->k[7][i] * t6) - (w_2 * t2 + v_1_1 * t11)) - h5 * t12;
+        const double t14 = h4 * (w_2 * t1 + v_1_0 * t11 - (h6 * t9 + w_1 * (g->k[7][i] * t4))) - h7 * t12;
+        s_dot[0].t[k] = g->e_1[0][i] * t14 + g->e_t[0][i] * theta_dot[0].t[k] + g->e_x[0][i] * t13;
+        s_dot[1].t[k] = g->e_1[1][i] * t14 + g->e_t[1][i] * theta_dot[0].t[k] + g->e_x[1][i] * t13;
+        s_dot[2].t[k] = g->e_1[2][i] * t14 + g->e_x[2][i] * t13;
     }
 }
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (187 add, 282 multiply, 1
  * divide, 2 sine cosine) */
 static inline void krhpr_subleg_p_fivebar_bias_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
-    const double h8 = v_1_0 * g->k[7];
+    const double h8 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1_0 + h8 - u_2_0;
-    const double h9 = v_1_1 * g->k[7];
+    const double h9 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1_1 + h9 - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0;
     const double h5 = theta_dot[1].v * b_32 + theta_dot[2].v * b_33;
-    const double h6 = g->k[7] * b_22;
+    const double h6 = g->k[7][i] * b_22;
     const double h7 = theta_dot[1].v * h6;
     const double t1 = v_1_0 * h5 - v_2_0 * h7;
-    const double h11 = g->e_1[0] * t1;
+    const double h11 = g->e_1[0][i] * t1;
     const double h10 = 1.0 / (h8 * v_2_1 - v_2_0 * h9);
     const double h33 = h11 * h10;
     const double t2 = v_2_1 * h7 - v_1_1 * h5;
-    const double h12 = g->e_x[0] * t2;
+    const double h12 = g->e_x[0][i] * t2;
     const double h35 = h10 * h12;
-    const double s_dot_0 = g->e_t[0] * theta_dot[0].v + h33 + h35;
-    const double h13 = g->e_1[1] * t1;
+    const double s_dot_0 = g->e_t[0][i] * theta_dot[0].v + h33 + h35;
+    const double h13 = g->e_1[1][i] * t1;
     const double h37 = h10 * h13;
-    const double h14 = g->e_x[1] * t2;
+    const double h14 = g->e_x[1][i] * t2;
     const double h39 = h10 * h14;
-    const double s_dot_1 = g->e_t[1] * theta_dot[0].v + h37 + h39;
-    const double h15 = g->e_1[2] * t1;
+    const double s_dot_1 = g->e_t[1][i] * theta_dot[0].v + h37 + h39;
+    const double h15 = g->e_1[2][i] * t1;
     const double h41 = h10 * h15;
-    const double h16 = g->e_x[2] * t2;
+    const double h16 = g->e_x[2][i] * t2;
     const double h43 = h10 * h16;
     const double s_dot_2 = h41 + h43;
-    const double h17 = g->l_4 * (theta_dot[1].v * h1);
-    const double h19 = g->l_4 * (theta_dot[1].v * h2);
-    const double h23 = g->l_2 * (theta_dot[2].v * h3);
-    const double h24 = g->l_2 * (theta_dot[2].v * h4);
-    const double h20 = g->e_x[0] * s_dot_0 + g->e_x[1] * s_dot_1 + g->e_x[2] * s_dot_2 + h17;
-    const double h18 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - h19;
-    const double h30 = g->k[7] * h20;
+    const double h17 = g->l_4[i] * (theta_dot[1].v * h1);
+    const double h19 = g->l_4[i] * (theta_dot[1].v * h2);
+    const double h23 = g->l_2[i] * (theta_dot[2].v * h3);
+    const double h24 = g->l_2[i] * (theta_dot[2].v * h4);
+    const double h20 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + h17;
+    const double h18 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - h19;
+    const double h30 = g->k[7][i] * h20;
     const double h21 = h23 + (h30 - h17);
-    const double h31 = g->k[7] * h18;
+    const double h31 = g->k[7][i] * h18;
     const double h22 = h19 + h31 - h24;
-    const double h25 = g->k[13] * (v_2_0 * h19 + u_1_1 * h21 - (u_1_0 * h22 - v_2_1 * h17));
+    const double h25 = g->k[13][i] * (v_2_0 * h19 + u_1_1 * h21 - (u_1_0 * h22 - v_2_1 * h17));
     const double h26 = u_2_0 * h22 - v_2_1 * h23 - (v_2_0 * h24 + u_2_1 * h21);
     const double h27 = theta_dot[1].v * h25 + theta_dot[2].v * h26;
-    const double h28 = g->k[7] * (u_1_0 * h18 - v_1_1 * h17 - (v_1_0 * h19 + u_1_1 * h20));
+    const double h28 = g->k[7][i] * (u_1_0 * h18 - v_1_1 * h17 - (v_1_0 * h19 + u_1_1 * h20));
     const double h29 = theta_dot[1].v * h28;
     const double t3 = h5 * h20 + v_1_0 * h27 - (h7 * h21 + v_2_0 * h29);
     const double h32 = v_2_1 * h30 + h8 * h22 - (h9 * h21 + v_2_0 * h31);
-    const double h34 = g->e_1[0] * t3 - h33 * h32;
+    const double h34 = g->e_1[0][i] * t3 - h33 * h32;
     const double t4 = h7 * h22 + v_2_1 * h29 - (h5 * h18 + v_1_1 * h27);
-    const double h36 = g->e_x[0] * t4 - h35 * h32;
-    const double h38 = g->e_1[1] * t3 - h37 * h32;
-    const double h40 = g->e_x[1] * t4 - h39 * h32;
-    const double h42 = g->e_1[2] * t3 - h41 * h32;
-    const double h44 = g->e_x[2] * t4 - h43 * h32;
+    const double h36 = g->e_x[0][i] * t4 - h35 * h32;
+    const double h38 = g->e_1[1][i] * t3 - h37 * h32;
+    const double h40 = g->e_x[1][i] * t4 - h39 * h32;
+    const double h42 = g->e_1[2][i] * t3 - h41 * h32;
+    const double h44 = g->e_x[2][i] * t4 - h43 * h32;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
@@ -716,56 +720,56 @@ static inline void krhpr_subleg_p_fivebar_bias_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t5 = h1 * theta[1].t[k];
         const double t6 = h2 * theta[1].t[k];
-        const double t7 = g->l_4 * t5;
-        const double t8 = g->l_4 * t6;
+        const double t7 = g->l_4[i] * t5;
+        const double t8 = g->l_4[i] * t6;
         const double t9 = h3 * theta[2].t[k];
         const double t10 = h4 * theta[2].t[k];
-        const double t11 = g->l_2 * t9;
-        const double t12 = g->l_2 * t10;
-        const double t13 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k] + t7;
-        const double t14 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k] - t8;
-        const double t15 = g->k[7] * t13;
+        const double t11 = g->l_2[i] * t9;
+        const double t12 = g->l_2[i] * t10;
+        const double t13 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k] + t7;
+        const double t14 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k] - t8;
+        const double t15 = g->k[7][i] * t13;
         const double t16 = t11 + (t15 - t7);
-        const double t17 = g->k[7] * t14;
+        const double t17 = g->k[7][i] * t14;
         const double t18 = t8 + t17 - t12;
-        const double t19 = theta_dot[1].v * (g->k[13] * (v_2_0 * t8 + u_1_1 * t16 - (u_1_0 * t18 - v_2_1 * t7)));
+        const double t19 = theta_dot[1].v * (g->k[13][i] * (v_2_0 * t8 + u_1_1 * t16 - (u_1_0 * t18 - v_2_1 * t7)));
         const double t20 = b_33 * theta_dot[2].t[k] + theta_dot[2].v * (u_2_0 * t18 - v_2_1 * t11 - (v_2_0 * t12 + u_2_1 * t16));
         const double t21 = b_32 * theta_dot[1].t[k] + t19 + t20;
-        const double t22 = theta_dot[1].v * (g->k[7] * (u_1_0 * t14 - v_1_1 * t7 - (v_1_0 * t8 + u_1_1 * t13)));
+        const double t22 = theta_dot[1].v * (g->k[7][i] * (u_1_0 * t14 - v_1_1 * t7 - (v_1_0 * t8 + u_1_1 * t13)));
         const double t23 = h6 * theta_dot[1].t[k] + t22;
         const double t24 = h5 * t13 + v_1_0 * t21 - (h7 * t16 + v_2_0 * t23);
         const double t25 = h10 * (h10 * (v_2_1 * t15 + h8 * t18 - (h9 * t16 + v_2_0 * t17)));
-        const double t26 = h10 * (g->e_1[0] * t24) - h11 * t25;
+        const double t26 = h10 * (g->e_1[0][i] * t24) - h11 * t25;
         const double t27 = h7 * t18 + v_2_1 * t23 - (h5 * t14 + v_1_1 * t21);
-        const double t28 = h10 * (g->e_x[0] * t27) - h12 * t25;
-        const double t29 = g->e_t[0] * theta_dot[0].t[k] + t26 + t28;
-        const double t30 = h10 * (g->e_1[1] * t24) - h13 * t25;
-        const double t31 = h10 * (g->e_x[1] * t27) - h14 * t25;
-        const double t32 = g->e_t[1] * theta_dot[0].t[k] + t30 + t31;
-        const double t33 = h10 * (g->e_1[2] * t24) - h15 * t25;
-        const double t34 = h10 * (g->e_x[2] * t27) - h16 * t25;
+        const double t28 = h10 * (g->e_x[0][i] * t27) - h12 * t25;
+        const double t29 = g->e_t[0][i] * theta_dot[0].t[k] + t26 + t28;
+        const double t30 = h10 * (g->e_1[1][i] * t24) - h13 * t25;
+        const double t31 = h10 * (g->e_x[1][i] * t27) - h14 * t25;
+        const double t32 = g->e_t[1][i] * theta_dot[0].t[k] + t30 + t31;
+        const double t33 = h10 * (g->e_1[2][i] * t24) - h15 * t25;
+        const double t34 = h10 * (g->e_x[2][i] * t27) - h16 * t25;
         const double t35 = t33 + t34;
-        const double t36 = g->l_4 * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t6);
-        const double t37 = g->l_4 * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t5);
-        const double t38 = g->l_2 * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t10);
-        const double t39 = g->l_2 * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t9);
-        const double t40 = g->e_x[0] * t29 + g->e_x[1] * t32 + g->e_x[2] * t35 + t36;
-        const double t41 = g->e_1[0] * t29 + g->e_1[1] * t32 + g->e_1[2] * t35 - t37;
-        const double t42 = g->k[7] * t40;
+        const double t36 = g->l_4[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t6);
+        const double t37 = g->l_4[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t5);
+        const double t38 = g->l_2[i] * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t10);
+        const double t39 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t9);
+        const double t40 = g->e_x[0][i] * t29 + g->e_x[1][i] * t32 + g->e_x[2][i] * t35 + t36;
+        const double t41 = g->e_1[0][i] * t29 + g->e_1[1][i] * t32 + g->e_1[2][i] * t35 - t37;
+        const double t42 = g->k[7][i] * t40;
         const double t43 = t38 + (t42 - t36);
-        const double t44 = g->k[7] * t41;
+        const double t44 = g->k[7][i] * t41;
         const double t45 = t37 + t44 - t39;
         const double t46 = u_1_0 * t41 - h18 * t7 - (h17 * t14 + v_1_1 * t36) - (h19 * t13 + v_1_0 * t37 + (h20 * t8 + u_1_1 * t40));
         const double t47 = h19 * t16 + v_2_0 * t37 + (h21 * t8 + u_1_1 * t43) - (u_1_0 * t45 - h22 * t7 - (h17 * t18 + v_2_1 * t36));
         const double t48 = u_2_0 * t45 - h22 * t11 - (h23 * t18 + v_2_1 * t38) - (h24 * t16 + v_2_0 * t39 + (h21 * t12 + u_2_1 * t43));
-        const double t49 = h25 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[13] * t47) + (h26 * theta_dot[2].t[k] + theta_dot[2].v * t48);
-        const double t50 = h28 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[7] * t46);
+        const double t49 = h25 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[13][i] * t47) + (h26 * theta_dot[2].t[k] + theta_dot[2].v * t48);
+        const double t50 = h28 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[7][i] * t46);
         const double t51 = h20 * t21 + h5 * t40 + (h27 * t13 + v_1_0 * t49) - (h21 * t23 + h7 * t43 + (h29 * t16 + v_2_0 * t50));
         const double t52 = h30 * t18 + v_2_1 * t42 + (h22 * t15 + h8 * t45) - (h21 * t17 + h9 * t43 + (h31 * t16 + v_2_0 * t44));
         const double t53 = h22 * t23 + h7 * t45 + (h29 * t18 + v_2_1 * t50) - (h18 * t21 + h5 * t41 + (h27 * t14 + v_1_1 * t49));
-        const double t54 = h10 * (g->e_1[0] * t51 - (h32 * t26 + h33 * t52)) - h34 * t25 + (h10 * (g->e_x[0] * t53 - (h32 * t28 + h35 * t52)) - h36 * t25);
-        const double t55 = h10 * (g->e_1[1] * t51 - (h32 * t30 + h37 * t52)) - h38 * t25 + (h10 * (g->e_x[1] * t53 - (h32 * t31 + h39 * t52)) - h40 * t25);
-        const double t56 = h10 * (g->e_1[2] * t51 - (h32 * t33 + h41 * t52)) - h42 * t25 + (h10 * (g->e_x[2] * t53 - (h32 * t34 + h43 * t52)) - h44 * t25);
+        const double t54 = h10 * (g->e_1[0][i] * t51 - (h32 * t26 + h33 * t52)) - h34 * t25 + (h10 * (g->e_x[0][i] * t53 - (h32 * t28 + h35 * t52)) - h36 * t25);
+        const double t55 = h10 * (g->e_1[1][i] * t51 - (h32 * t30 + h37 * t52)) - h38 * t25 + (h10 * (g->e_x[1][i] * t53 - (h32 * t31 + h39 * t52)) - h40 * t25);
+        const double t56 = h10 * (g->e_1[2][i] * t51 - (h32 * t33 + h41 * t52)) - h42 * t25 + (h10 * (g->e_x[2][i] * t53 - (h32 * t34 + h43 * t52)) - h44 * t25);
         s_dot[0].t[k] = t29;
         s_dot[1].t[k] = t32;
         s_dot[2].t[k] = t35;
@@ -778,22 +782,22 @@ static inline void krhpr_subleg_p_fivebar_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (48 add, 69
  * multiply, 3 divide) */
 static inline void krhpr_subleg_p_fivebar_rates_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
-    const double v_l_0 = g->e_x[0] * s_dot[0].v + g->e_x[1] * s_dot[1].v + g->e_x[2] * s_dot[2].v;
-    const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
-    const double v_l_2 = g->e_t[0] * s_dot[0].v + g->e_t[1] * s_dot[1].v;
+    const double v_l_0 = g->e_x[0][i] * s_dot[0].v + g->e_x[1][i] * s_dot[1].v + g->e_x[2][i] * s_dot[2].v;
+    const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
+    const double v_l_2 = g->e_t[0][i] * s_dot[0].v + g->e_t[1][i] * s_dot[1].v;
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1;
-    const double h1 = g->k[7] * v_2_0;
-    const double h2 = g->k[7] * v_2_1;
+    const double h1 = g->k[7][i] * v_2_0;
+    const double h2 = g->k[7][i] * v_2_1;
     const double w_2 = v_l_0 * h1 + v_l_1 * h2;
     const double h3 = 1.0 / b_22;
     const double h4 = b_32 * w_1;
@@ -805,17 +809,17 @@ static inline void krhpr_subleg_p_fivebar_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
-        const double t6 = g->e_x[0] * s_dot[0].t[k] + g->e_x[1] * s_dot[1].t[k] + g->e_x[2] * s_dot[2].t[k];
-        const double t7 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t6 = g->e_x[0][i] * s_dot[0].t[k] + g->e_x[1][i] * s_dot[1].t[k] + g->e_x[2][i] * s_dot[2].t[k];
+        const double t7 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         const double t8 = v_l_0 * t1 + v_1_0 * t6 + (v_l_1 * t2 + v_1_1 * t7);
         const double t9 = h3 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t10 = h3 * t9;
-        const double t11 = h1 * t6 + v_l_0 * (g->k[7] * t3) + (h2 * t7 + v_l_1 * (g->k[7] * t4)) - (h3 * (w_1 * t5 + b_32 * t8) - h4 * t10);
+        const double t11 = h1 * t6 + v_l_0 * (g->k[7][i] * t3) + (h2 * t7 + v_l_1 * (g->k[7][i] * t4)) - (h3 * (w_1 * t5 + b_32 * t8) - h4 * t10);
         const double t12 = theta_dot_2 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
-        theta_dot[0].t[k] = g->e_t[0] * s_dot[0].t[k] + g->e_t[1] * s_dot[1].t[k];
+        theta_dot[0].t[k] = g->e_t[0][i] * s_dot[0].t[k] + g->e_t[1][i] * s_dot[1].t[k];
         theta_dot[1].t[k] = h3 * t8 - w_1 * t10;
         theta_dot[2].t[k] = h5 * (t11 - t12);
     }
@@ -824,62 +828,62 @@ static inline void krhpr_subleg_p_fivebar_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (26 add,
  * 35 multiply, 2 divide) */
 static inline void krhpr_subleg_p_fivebar_determinant_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double t1 = g->k[7] * delta;
+    const double t1 = g->k[7][i] * delta;
     const double det_M_a = b_22 * b_33 / t1;
     const double h1 = 1.0 / t1;
     det_M[0].v = det_M_a;
-    factors[0].v = b_22 * g->k[15];
-    factors[1].v = b_33 * g->k[16];
-    factors[2].v = delta * g->k[14];
+    factors[0].v = b_22 * g->k[15][i];
+    factors[1].v = b_33 * g->k[16][i];
+    factors[2].v = delta * g->k[14][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = d[0].t[k] - u_1[0].t[k];
         const double t3 = d[1].t[k] - u_1[1].t[k];
-        const double t4 = u_1[0].t[k] + g->k[7] * t2 - u_2[0].t[k];
-        const double t5 = u_1[1].t[k] + g->k[7] * t3 - u_2[1].t[k];
+        const double t4 = u_1[0].t[k] + g->k[7][i] * t2 - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] + g->k[7][i] * t3 - u_2[1].t[k];
         const double t6 = v_1_1 * u_1[0].t[k] + u_1[0].v * t3 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t2);
         const double t7 = v_2_1 * u_2[0].t[k] + u_2[0].v * t5 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4);
         const double t8 = v_2_1 * t2 + v_1_0 * t5 - (v_2_0 * t3 + v_1_1 * t4);
-        det_M[0].t[k] = h1 * (b_33 * t6 + b_22 * t7 - det_M_a * (g->k[7] * t8));
-        factors[0].t[k] = g->k[15] * t6;
-        factors[1].t[k] = g->k[16] * t7;
-        factors[2].t[k] = g->k[14] * t8;
+        det_M[0].t[k] = h1 * (b_33 * t6 + b_22 * t7 - det_M_a * (g->k[7][i] * t8));
+        factors[0].t[k] = g->k[15][i] * t6;
+        factors[1].t[k] = g->k[16][i] * t7;
+        factors[2].t[k] = g->k[14][i] * t8;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (54 add, 83 multiply, 3
  * divide, 3 arctangent) */
 static inline void krhpr_subleg_p_fivebar_passive_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[18] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[18] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[18][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[18][i] - u_2[1].v;
     const double h2 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double h1 = u_1[0].v * v_1_0 + u_1[1].v * v_1_1;
     const double h5 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double h4 = u_2[0].v * v_2_0 + u_2[1].v * v_2_1;
     const double h8 = v_1_1 * v_2_0 - v_1_0 * v_2_1;
     const double h7 = v_1_0 * v_2_0 + v_1_1 * v_2_1;
-    const double dir_0 = v_1_0 * g->k[17];
-    const double dir_1 = v_1_1 * g->k[17];
-    const double along_0 = g->e_x[0] * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = g->e_x[1] * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = g->e_x[2] * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - g->e_x[0] * dir_1;
-    const double across_1 = g->e_1[1] * dir_0 - g->e_x[1] * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - g->e_x[2] * dir_1;
+    const double dir_0 = v_1_0 * g->k[17][i];
+    const double dir_1 = v_1_1 * g->k[17][i];
+    const double along_0 = g->e_x[0][i] * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = g->e_x[1][i] * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = g->e_x[2][i] * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - g->e_x[0][i] * dir_1;
+    const double across_1 = g->e_1[1][i] * dir_0 - g->e_x[1][i] * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - g->e_x[2][i] * dir_1;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
     const double h6 = 1.0 / (h4 * h4 + h5 * h5);
     const double h9 = 1.0 / (h7 * h7 + h8 * h8);
@@ -888,77 +892,77 @@ static inline void krhpr_subleg_p_fivebar_passive_tangent(
     passive[2].v = krhpr_atan2(h8, h7);
     link[0].v = along_0;
     link[1].v = across_0;
-    link[2].v = g->e_t[0];
+    link[2].v = g->e_t[0][i];
     link[3].v = along_1;
     link[4].v = across_1;
-    link[5].v = g->e_t[1];
+    link[5].v = g->e_t[1][i];
     link[6].v = along_2;
     link[7].v = across_2;
     link[8].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[18] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[18] * t2 - u_2[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[18][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[18][i] * t2 - u_2[1].t[k];
         const double t5 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t6 = h2 * (v_1_0 * u_1[0].t[k] + u_1[0].v * t1 + (v_1_1 * u_1[1].t[k] + u_1[1].v * t2));
         const double t7 = h4 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t8 = h5 * (v_2_0 * u_2[0].t[k] + u_2[0].v * t3 + (v_2_1 * u_2[1].t[k] + u_2[1].v * t4));
         const double t9 = h7 * (v_2_0 * t2 + v_1_1 * t3 - (v_2_1 * t1 + v_1_0 * t4)) - h8 * (v_2_0 * t1 + v_1_0 * t3 + (v_2_1 * t2 + v_1_1 * t4));
-        const double t10 = g->k[17] * t1;
-        const double t11 = g->k[17] * t2;
+        const double t10 = g->k[17][i] * t1;
+        const double t11 = g->k[17][i] * t2;
         passive[0].t[k] = h3 * (t5 - t6);
         passive[1].t[k] = h6 * (t7 - t8);
         passive[2].t[k] = h9 * t9;
-        link[0].t[k] = g->e_x[0] * t10 + g->e_1[0] * t11;
-        link[1].t[k] = g->e_1[0] * t10 - g->e_x[0] * t11;
+        link[0].t[k] = g->e_x[0][i] * t10 + g->e_1[0][i] * t11;
+        link[1].t[k] = g->e_1[0][i] * t10 - g->e_x[0][i] * t11;
         link[2].t[k] = 0.0;
-        link[3].t[k] = g->e_x[1] * t10 + g->e_1[1] * t11;
-        link[4].t[k] = g->e_1[1] * t10 - g->e_x[1] * t11;
+        link[3].t[k] = g->e_x[1][i] * t10 + g->e_1[1][i] * t11;
+        link[4].t[k] = g->e_1[1][i] * t10 - g->e_x[1][i] * t11;
         link[5].t[k] = 0.0;
-        link[6].t[k] = g->e_x[2] * t10 + g->e_1[2] * t11;
-        link[7].t[k] = g->e_1[2] * t10 - g->e_x[2] * t11;
+        link[6].t[k] = g->e_x[2][i] * t10 + g->e_1[2][i] * t11;
+        link[7].t[k] = g->e_1[2][i] * t10 - g->e_x[2][i] * t11;
         link[8].t[k] = 0.0;
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (56 add, 52 multiply) */
 static inline void krhpr_subleg_p_fivebar_points_tangent(
-    const krhpr_subleg_p_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    const double origin_0 = s[0].v - g->e_x[0] * d[0].v - g->e_1[0] * d[1].v;
-    const double origin_1 = s[1].v - g->e_x[1] * d[0].v - g->e_1[1] * d[1].v;
-    const double origin_2 = s[2].v - g->e_x[2] * d[0].v - g->e_1[2] * d[1].v;
-    const double p_0 = u_1[0].v + g->k[7] * (d[0].v - u_1[0].v);
-    const double p_1 = u_1[1].v + g->k[7] * (d[1].v - u_1[1].v);
-    points[0].v = g->k[19];
-    points[1].v = g->k[20];
-    points[2].v = g->k[21];
-    points[3].v = g->c[0];
-    points[4].v = g->c[1];
-    points[5].v = g->c[2];
+    const double origin_0 = s[0].v - g->e_x[0][i] * d[0].v - g->e_1[0][i] * d[1].v;
+    const double origin_1 = s[1].v - g->e_x[1][i] * d[0].v - g->e_1[1][i] * d[1].v;
+    const double origin_2 = s[2].v - g->e_x[2][i] * d[0].v - g->e_1[2][i] * d[1].v;
+    const double p_0 = u_1[0].v + g->k[7][i] * (d[0].v - u_1[0].v);
+    const double p_1 = u_1[1].v + g->k[7][i] * (d[1].v - u_1[1].v);
+    points[0].v = g->k[19][i];
+    points[1].v = g->k[20][i];
+    points[2].v = g->k[21][i];
+    points[3].v = g->c[0][i];
+    points[4].v = g->c[1][i];
+    points[5].v = g->c[2][i];
     points[6].v = origin_0;
     points[7].v = origin_1;
     points[8].v = origin_2;
-    points[9].v = origin_0 + g->e_1[0] * u_1[1].v + g->e_x[0] * u_1[0].v;
-    points[10].v = origin_1 + g->e_1[1] * u_1[1].v + g->e_x[1] * u_1[0].v;
-    points[11].v = origin_2 + g->e_1[2] * u_1[1].v + g->e_x[2] * u_1[0].v;
-    points[12].v = origin_0 + g->e_1[0] * u_2[1].v + g->e_x[0] * u_2[0].v;
-    points[13].v = origin_1 + g->e_1[1] * u_2[1].v + g->e_x[1] * u_2[0].v;
-    points[14].v = origin_2 + g->e_1[2] * u_2[1].v + g->e_x[2] * u_2[0].v;
-    points[15].v = origin_0 + g->e_1[0] * p_1 + g->e_x[0] * p_0;
-    points[16].v = origin_1 + g->e_1[1] * p_1 + g->e_x[1] * p_0;
-    points[17].v = origin_2 + g->e_1[2] * p_1 + g->e_x[2] * p_0;
+    points[9].v = origin_0 + g->e_1[0][i] * u_1[1].v + g->e_x[0][i] * u_1[0].v;
+    points[10].v = origin_1 + g->e_1[1][i] * u_1[1].v + g->e_x[1][i] * u_1[0].v;
+    points[11].v = origin_2 + g->e_1[2][i] * u_1[1].v + g->e_x[2][i] * u_1[0].v;
+    points[12].v = origin_0 + g->e_1[0][i] * u_2[1].v + g->e_x[0][i] * u_2[0].v;
+    points[13].v = origin_1 + g->e_1[1][i] * u_2[1].v + g->e_x[1][i] * u_2[0].v;
+    points[14].v = origin_2 + g->e_1[2][i] * u_2[1].v + g->e_x[2][i] * u_2[0].v;
+    points[15].v = origin_0 + g->e_1[0][i] * p_1 + g->e_x[0][i] * p_0;
+    points[16].v = origin_1 + g->e_1[1][i] * p_1 + g->e_x[1][i] * p_0;
+    points[17].v = origin_2 + g->e_1[2][i] * p_1 + g->e_x[2][i] * p_0;
     points[18].v = s[0].v;
     points[19].v = s[1].v;
     points[20].v = s[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = s[0].t[k] - g->e_x[0] * d[0].t[k] - g->e_1[0] * d[1].t[k];
-        const double t2 = s[1].t[k] - g->e_x[1] * d[0].t[k] - g->e_1[1] * d[1].t[k];
-        const double t3 = s[2].t[k] - g->e_x[2] * d[0].t[k] - g->e_1[2] * d[1].t[k];
-        const double t4 = u_1[0].t[k] + g->k[7] * (d[0].t[k] - u_1[0].t[k]);
-        const double t5 = u_1[1].t[k] + g->k[7] * (d[1].t[k] - u_1[1].t[k]);
+        const double t1 = s[0].t[k] - g->e_x[0][i] * d[0].t[k] - g->e_1[0][i] * d[1].t[k];
+        const double t2 = s[1].t[k] - g->e_x[1][i] * d[0].t[k] - g->e_1[1][i] * d[1].t[k];
+        const double t3 = s[2].t[k] - g->e_x[2][i] * d[0].t[k] - g->e_1[2][i] * d[1].t[k];
+        const double t4 = u_1[0].t[k] + g->k[7][i] * (d[0].t[k] - u_1[0].t[k]);
+        const double t5 = u_1[1].t[k] + g->k[7][i] * (d[1].t[k] - u_1[1].t[k]);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
@@ -968,15 +972,15 @@ static inline void krhpr_subleg_p_fivebar_points_tangent(
         points[6].t[k] = t1;
         points[7].t[k] = t2;
         points[8].t[k] = t3;
-        points[9].t[k] = t1 + g->e_1[0] * u_1[1].t[k] + g->e_x[0] * u_1[0].t[k];
-        points[10].t[k] = t2 + g->e_1[1] * u_1[1].t[k] + g->e_x[1] * u_1[0].t[k];
-        points[11].t[k] = t3 + g->e_1[2] * u_1[1].t[k] + g->e_x[2] * u_1[0].t[k];
-        points[12].t[k] = t1 + g->e_1[0] * u_2[1].t[k] + g->e_x[0] * u_2[0].t[k];
-        points[13].t[k] = t2 + g->e_1[1] * u_2[1].t[k] + g->e_x[1] * u_2[0].t[k];
-        points[14].t[k] = t3 + g->e_1[2] * u_2[1].t[k] + g->e_x[2] * u_2[0].t[k];
-        points[15].t[k] = t1 + g->e_1[0] * t5 + g->e_x[0] * t4;
-        points[16].t[k] = t2 + g->e_1[1] * t5 + g->e_x[1] * t4;
-        points[17].t[k] = t3 + g->e_1[2] * t5 + g->e_x[2] * t4;
+        points[9].t[k] = t1 + g->e_1[0][i] * u_1[1].t[k] + g->e_x[0][i] * u_1[0].t[k];
+        points[10].t[k] = t2 + g->e_1[1][i] * u_1[1].t[k] + g->e_x[1][i] * u_1[0].t[k];
+        points[11].t[k] = t3 + g->e_1[2][i] * u_1[1].t[k] + g->e_x[2][i] * u_1[0].t[k];
+        points[12].t[k] = t1 + g->e_1[0][i] * u_2[1].t[k] + g->e_x[0][i] * u_2[0].t[k];
+        points[13].t[k] = t2 + g->e_1[1][i] * u_2[1].t[k] + g->e_x[1][i] * u_2[0].t[k];
+        points[14].t[k] = t3 + g->e_1[2][i] * u_2[1].t[k] + g->e_x[2][i] * u_2[0].t[k];
+        points[15].t[k] = t1 + g->e_1[0][i] * t5 + g->e_x[0][i] * t4;
+        points[16].t[k] = t2 + g->e_1[1][i] * t5 + g->e_x[1][i] * t4;
+        points[17].t[k] = t3 + g->e_1[2][i] * t5 + g->e_x[2][i] * t4;
         points[18].t[k] = s[0].t[k];
         points[19].t[k] = s[1].t[k];
         points[20].t[k] = s[2].t[k];

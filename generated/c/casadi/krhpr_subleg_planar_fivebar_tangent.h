@@ -13,22 +13,22 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (34 add, 43
  * multiply, 2 divide, 1 square root, 2 sine cosine) */
 static inline void krhpr_subleg_planar_fivebar_forward_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0;
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0;
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = f_0 * along - f_1 * across;
@@ -38,21 +38,21 @@ static inline void krhpr_subleg_planar_fivebar_forward_tangent(
     const double d_0 = u_1_0 + w_0;
     const double d_1 = u_1_1 + w_1;
     const double h7 = 1.0 / t1;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->l_4 * (h1 * theta[0].t[k]);
-        const double t3 = g->l_4 * (h2 * theta[0].t[k]);
-        const double t4 = g->l_2 * (h3 * theta[1].t[k]) - t2;
-        const double t5 = t3 - g->l_2 * (h4 * theta[1].t[k]);
+        const double t2 = g->l_4[i] * (h1 * theta[0].t[k]);
+        const double t3 = g->l_4[i] * (h2 * theta[0].t[k]);
+        const double t4 = g->l_2[i] * (h3 * theta[1].t[k]) - t2;
+        const double t5 = t3 - g->l_2[i] * (h4 * theta[1].t[k]);
         const double t6 = f_0 * t4;
         const double t7 = f_1 * t5;
         const double t8 = t6 + t6 + (t7 + t7);
         const double t9 = h5 * (h5 * t8);
         const double t10 = h5 * (0.5 * t8) - h6 * t9;
         const double t11 = along * t10;
-        const double t12 = g->k[0] * t9 + (t11 + t11);
+        const double t12 = g->k[0][i] * t9 + (t11 + t11);
         const double t13 = assembly[0] * (h7 * (0.5 * t12));
         s[0].t[k] = along * t4 + f_0 * t10 - (across * t5 - f_1 * t13) - t4 - t2;
         s[1].t[k] = t3 + (across * t4 - f_0 * t13 + (along * t5 + f_1 * t10) - t5);
@@ -63,23 +63,23 @@ static inline void krhpr_subleg_planar_fivebar_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (34
  * add, 43 multiply, 2 divide, 1 square root, 2 sine cosine) */
 static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1,
     krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0;
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0;
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = f_0 * along - f_1 * across;
@@ -89,8 +89,8 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
     const double d_0 = u_1_0 + w_0;
     const double d_1 = u_1_1 + w_1;
     const double h7 = 1.0 / t1;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     d[0].v = d_0;
     d[1].v = d_1;
     u_1[0].v = u_1_0;
@@ -99,10 +99,10 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
     u_2[1].v = u_2_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->l_4 * (h1 * theta[0].t[k]);
-        const double t3 = g->l_4 * (h2 * theta[0].t[k]);
-        const double t4 = g->l_2 * (h3 * theta[1].t[k]);
-        const double t5 = g->l_2 * (h4 * theta[1].t[k]);
+        const double t2 = g->l_4[i] * (h1 * theta[0].t[k]);
+        const double t3 = g->l_4[i] * (h2 * theta[0].t[k]);
+        const double t4 = g->l_2[i] * (h3 * theta[1].t[k]);
+        const double t5 = g->l_2[i] * (h4 * theta[1].t[k]);
         const double t6 = t4 - t2;
         const double t7 = t3 - t5;
         const double t8 = f_0 * t6;
@@ -111,7 +111,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
         const double t11 = h5 * (h5 * t10);
         const double t12 = h5 * (0.5 * t10) - h6 * t11;
         const double t13 = along * t12;
-        const double t14 = g->k[0] * t11 + (t13 + t13);
+        const double t14 = g->k[0][i] * t11 + (t13 + t13);
         const double t15 = assembly[0] * (h7 * (0.5 * t14));
         const double t16 = along * t6 + f_0 * t12 - (across * t7 - f_1 * t15) - t6 - t2;
         const double t17 = t3 + (across * t6 - f_0 * t15 + (along * t7 + f_1 * t12) - t7);
@@ -130,22 +130,22 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (48 add,
  * 41 multiply, 2 divide, 1 square root, 2 sine cosine) */
 static inline void krhpr_subleg_planar_fivebar_forward_all_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
-    krhpr_dual *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *theta,
+    krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
-    const double f_0 = u_1_0 - g->o_12[0] - u_2_0;
-    const double f_1 = u_1_1 - g->o_12[1] - u_2_1;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0;
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double across = sqrt(h2_a);
     const double t1 = f_0 * along;
     const double t2 = f_1 * across;
@@ -164,23 +164,23 @@ static inline void krhpr_subleg_planar_fivebar_forward_all_tangent(
     const double d_0_a = u_1_0 + w_0_a;
     const double d_1_a = u_1_1 + w_1_a;
     const double h7 = 1.0 / across;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
-    s[2].v = g->o[0] + d_0_a;
-    s[3].v = g->o[1] + d_1_a;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
+    s[2].v = g->o[0][i] + d_0_a;
+    s[3].v = g->o[1][i] + d_1_a;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = g->l_4 * (h1 * theta[0].t[k]);
-        const double t6 = g->l_4 * (h2 * theta[0].t[k]);
-        const double t7 = g->l_2 * (h3 * theta[1].t[k]) - t5;
-        const double t8 = t6 - g->l_2 * (h4 * theta[1].t[k]);
+        const double t5 = g->l_4[i] * (h1 * theta[0].t[k]);
+        const double t6 = g->l_4[i] * (h2 * theta[0].t[k]);
+        const double t7 = g->l_2[i] * (h3 * theta[1].t[k]) - t5;
+        const double t8 = t6 - g->l_2[i] * (h4 * theta[1].t[k]);
         const double t9 = f_0 * t7;
         const double t10 = f_1 * t8;
         const double t11 = t9 + t9 + (t10 + t10);
         const double t12 = h5 * (h5 * t11);
         const double t13 = h5 * (0.5 * t11) - h6 * t12;
         const double t14 = along * t13;
-        const double t15 = g->k[0] * t12 + (t14 + t14);
+        const double t15 = g->k[0][i] * t12 + (t14 + t14);
         const double t16 = h7 * (0.5 * t15);
         const double t17 = along * t7 + f_0 * t13;
         const double t18 = across * t8 - f_1 * t16;
@@ -197,29 +197,29 @@ static inline void krhpr_subleg_planar_fivebar_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (42
  * add, 56 multiply, 4 divide, 2 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_fivebar_inverse_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[2];
-    const double h1 = g->k[3] - d2;
+    const double h2 = d2 - g->k[2][i];
+    const double h1 = g->k[3][i] - d2;
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double A = d2 + g->k[4] - g->k[1];
+    const double A = d2 + g->k[4][i] - g->k[1][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
-    const double p_0 = d_0 - g->o_12[0];
-    const double p_1 = d_1 - g->o_12[1];
+    const double p_0 = d_0 - g->o_12[0][i];
+    const double p_1 = d_1 - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h6 = d2_2 - g->k[5];
-    const double h5 = g->k[6] - d2_2;
+    const double h6 = d2_2 - g->k[5][i];
+    const double h5 = g->k[6][i] - d2_2;
     const double h2_2 = h6 * h5;
     const double t2 = sqrt(h2_2);
     const double S_2 = mode[1] * t2;
-    const double A_2 = d2_2 + g->k[7] - g->k[0];
+    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h3 = 1.0 / t1;
@@ -247,16 +247,17 @@ static inline void krhpr_subleg_planar_fivebar_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (54 add, 62 multiply, 6 divide, 2 square root, 4 arctangent) */
 static inline void krhpr_subleg_planar_fivebar_inverse_all_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s,
+    krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[2];
-    const double h1 = g->k[3] - d2;
+    const double h2 = d2 - g->k[2][i];
+    const double h1 = g->k[3][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double A = d2 + g->k[4] - g->k[1];
+    const double A = d2 + g->k[4][i] - g->k[1][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -264,14 +265,14 @@ static inline void krhpr_subleg_planar_fivebar_inverse_all_tangent(
     const double t4 = d_0 * S;
     const double m = t3 - t4;
     const double theta_0 = krhpr_atan2(m, n);
-    const double p_0 = d_0 - g->o_12[0];
-    const double p_1 = d_1 - g->o_12[1];
+    const double p_0 = d_0 - g->o_12[0][i];
+    const double p_1 = d_1 - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h6 = d2_2 - g->k[5];
-    const double h5 = g->k[6] - d2_2;
+    const double h6 = d2_2 - g->k[5][i];
+    const double h5 = g->k[6][i] - d2_2;
     const double h2_2 = h6 * h5;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[7] - g->k[0];
+    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i];
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;
@@ -334,37 +335,37 @@ static inline void krhpr_subleg_planar_fivebar_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (2
  * add, 12 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_planar_fivebar_posture_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2)
 {
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    d[0].v = s[0].v - g->o[0];
-    d[1].v = s[1].v - g->o[1];
-    u_1[0].v = g->l_4 * h2;
-    u_1[1].v = g->l_4 * h1;
-    u_2[0].v = g->l_2 * h4;
-    u_2[1].v = g->l_2 * h3;
+    d[0].v = s[0].v - g->o[0][i];
+    d[1].v = s[1].v - g->o[1][i];
+    u_1[0].v = g->l_4[i] * h2;
+    u_1[1].v = g->l_4[i] * h1;
+    u_2[0].v = g->l_2[i] * h4;
+    u_2[1].v = g->l_2[i] * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         d[0].t[k] = s[0].t[k];
         d[1].t[k] = s[1].t[k];
-        u_1[0].t[k] = -g->l_4 * (h1 * theta[0].t[k]);
-        u_1[1].t[k] = g->l_4 * (h2 * theta[0].t[k]);
-        u_2[0].t[k] = -g->l_2 * (h3 * theta[1].t[k]);
-        u_2[1].t[k] = g->l_2 * (h4 * theta[1].t[k]);
+        u_1[0].t[k] = -g->l_4[i] * (h1 * theta[0].t[k]);
+        u_1[1].t[k] = g->l_4[i] * (h2 * theta[0].t[k]);
+        u_2[0].t[k] = -g->l_2[i] * (h3 * theta[1].t[k]);
+        u_2[1].t[k] = g->l_2[i] * (h4 * theta[1].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (38 add, 44 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_fivebar_jacobian_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
     const double t1 = u_1[0].v * v_1_1;
     const double t2 = u_1[1].v * v_1_0;
     const double b_22 = t1 - t2;
@@ -407,13 +408,13 @@ static inline void krhpr_subleg_planar_fivebar_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (46 add, 56 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_fivebar_project_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
     const double t1 = u_1[0].v * v_1_1;
     const double t2 = u_1[1].v * v_1_0;
     const double b_22 = t1 - t2;
@@ -455,13 +456,13 @@ static inline void krhpr_subleg_planar_fivebar_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (38 add,
  * 44 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_fivebar_velocity_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
@@ -492,21 +493,21 @@ static inline void krhpr_subleg_planar_fivebar_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (116 add, 154 multiply, 1
  * divide, 2 sine cosine) */
 static inline void krhpr_subleg_planar_fivebar_bias_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
-    const double v_2_0 = u_1_0 + v_1_0 - g->o_12[0] - u_2_0;
-    const double v_2_1 = u_1_1 + v_1_1 - g->o_12[1] - u_2_1;
+    const double v_2_0 = u_1_0 + v_1_0 - g->o_12[0][i] - u_2_0;
+    const double v_2_1 = u_1_1 + v_1_1 - g->o_12[1][i] - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
@@ -517,10 +518,10 @@ static inline void krhpr_subleg_planar_fivebar_bias_tangent(
     const double s_dot_0 = h8 * h7;
     const double h9 = v_1_0 * h6 - v_2_0 * h5;
     const double s_dot_1 = h7 * h9;
-    const double h10 = g->l_4 * (theta_dot[0].v * h1);
-    const double h12 = g->l_4 * (theta_dot[0].v * h2);
-    const double h14 = g->l_2 * (theta_dot[1].v * h3);
-    const double h16 = g->l_2 * (theta_dot[1].v * h4);
+    const double h10 = g->l_4[i] * (theta_dot[0].v * h1);
+    const double h12 = g->l_4[i] * (theta_dot[0].v * h2);
+    const double h14 = g->l_2[i] * (theta_dot[1].v * h3);
+    const double h16 = g->l_2[i] * (theta_dot[1].v * h4);
     const double h13 = s_dot_0 + h10;
     const double h11 = s_dot_1 - h12;
     const double h17 = h14 + (h13 - h10);
@@ -539,12 +540,12 @@ static inline void krhpr_subleg_planar_fivebar_bias_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = h1 * theta[0].t[k];
         const double t2 = h2 * theta[0].t[k];
-        const double t3 = g->l_4 * t1;
-        const double t4 = g->l_4 * t2;
+        const double t3 = g->l_4[i] * t1;
+        const double t4 = g->l_4[i] * t2;
         const double t5 = h3 * theta[1].t[k];
         const double t6 = h4 * theta[1].t[k];
-        const double t7 = g->l_2 * t5;
-        const double t8 = g->l_2 * t6;
+        const double t7 = g->l_2[i] * t5;
+        const double t8 = g->l_2[i] * t6;
         const double t9 = s[0].t[k] + t3;
         const double t10 = s[1].t[k] - t4;
         const double t11 = t7 + (t9 - t3);
@@ -554,10 +555,10 @@ static inline void krhpr_subleg_planar_fivebar_bias_tangent(
         const double t15 = h7 * (h7 * (v_2_1 * t9 + v_1_0 * t12 - (v_2_0 * t10 + v_1_1 * t11)));
         const double t16 = h7 * (h5 * t12 + v_2_1 * t13 - (h6 * t10 + v_1_1 * t14)) - h8 * t15;
         const double t17 = h7 * (h6 * t9 + v_1_0 * t14 - (h5 * t11 + v_2_0 * t13)) - h9 * t15;
-        const double t18 = g->l_4 * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t2);
-        const double t19 = g->l_4 * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t1);
-        const double t20 = g->l_2 * (h3 * theta_dot[1].t[k] + theta_dot[1].v * t6);
-        const double t21 = g->l_2 * (h4 * theta_dot[1].t[k] - theta_dot[1].v * t5);
+        const double t18 = g->l_4[i] * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t2);
+        const double t19 = g->l_4[i] * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t1);
+        const double t20 = g->l_2[i] * (h3 * theta_dot[1].t[k] + theta_dot[1].v * t6);
+        const double t21 = g->l_2[i] * (h4 * theta_dot[1].t[k] - theta_dot[1].v * t5);
         const double t22 = t16 + t18;
         const double t23 = t17 - t19;
         const double t24 = t20 + (t22 - t18);
@@ -579,13 +580,13 @@ static inline void krhpr_subleg_planar_fivebar_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (32 add, 28
  * multiply, 4 divide) */
 static inline void krhpr_subleg_planar_fivebar_rates_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double w_0 = v_1_0 * s_dot[0].v + v_1_1 * s_dot[1].v;
@@ -613,22 +614,22 @@ static inline void krhpr_subleg_planar_fivebar_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (28 add,
  * 29 multiply, 2 divide) */
 static inline void krhpr_subleg_planar_fivebar_determinant_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
     const double det_M_a = b_22 * b_33 / delta;
     const double h1 = 1.0 / delta;
     det_M[0].v = det_M_a;
-    factors[0].v = b_22 * g->k[11];
-    factors[1].v = b_33 * g->k[12];
-    factors[2].v = delta * g->k[10];
+    factors[0].v = b_22 * g->k[11][i];
+    factors[1].v = b_33 * g->k[12][i];
+    factors[2].v = delta * g->k[10][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
@@ -638,22 +639,22 @@ static inline void krhpr_subleg_planar_fivebar_determinant_tangent(
         const double t6 = v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3);
         const double t7 = v_2_1 * t1 + v_1_0 * t4 - (v_2_0 * t2 + v_1_1 * t3);
         det_M[0].t[k] = h1 * (b_33 * t5 + b_22 * t6 - det_M_a * t7);
-        factors[0].t[k] = g->k[11] * t5;
-        factors[1].t[k] = g->k[12] * t6;
-        factors[2].t[k] = g->k[10] * t7;
+        factors[0].t[k] = g->k[11][i] * t5;
+        factors[1].t[k] = g->k[12][i] * t6;
+        factors[2].t[k] = g->k[10][i] * t7;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (44 add, 55 multiply, 3
  * divide, 3 arctangent) */
 static inline void krhpr_subleg_planar_fivebar_passive_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
     const double h2 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double h1 = u_1[0].v * v_1_0 + u_1[1].v * v_1_1;
     const double h5 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
@@ -666,8 +667,8 @@ static inline void krhpr_subleg_planar_fivebar_passive_tangent(
     passive[0].v = krhpr_atan2(h2, h1);
     passive[1].v = krhpr_atan2(h5, h4);
     passive[2].v = krhpr_atan2(h8, h7);
-    link[0].v = v_1_0 * g->k[13];
-    link[1].v = v_1_1 * g->k[13];
+    link[0].v = v_1_0 * g->k[13][i];
+    link[1].v = v_1_1 * g->k[13][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
@@ -681,24 +682,24 @@ static inline void krhpr_subleg_planar_fivebar_passive_tangent(
         passive[0].t[k] = h3 * (t5 - t6);
         passive[1].t[k] = h6 * (t7 - t8);
         passive[2].t[k] = h9 * t9;
-        link[0].t[k] = g->k[13] * t1;
-        link[1].t[k] = g->k[13] * t2;
+        link[0].t[k] = g->k[13][i] * t1;
+        link[1].t[k] = g->k[13][i] * t2;
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
 static inline void krhpr_subleg_planar_fivebar_points_tangent(
-    const krhpr_subleg_planar_fivebar_geometry *g, const krhpr_dual *u_1, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *u_1, const krhpr_dual *u_2,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
-    points[2].v = g->k[14];
-    points[3].v = g->k[15];
-    points[4].v = g->o[0] + u_1[0].v;
-    points[5].v = g->o[1] + u_1[1].v;
-    points[6].v = u_2[0].v + g->k[14];
-    points[7].v = u_2[1].v + g->k[15];
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
+    points[2].v = g->k[14][i];
+    points[3].v = g->k[15][i];
+    points[4].v = g->o[0][i] + u_1[0].v;
+    points[5].v = g->o[1][i] + u_1[1].v;
+    points[6].v = u_2[0].v + g->k[14][i];
+    points[7].v = u_2[1].v + g->k[15][i];
     points[8].v = s[0].v;
     points[9].v = s[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {

@@ -13,35 +13,35 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6 add, 8
  * multiply) */
 static inline void krhpr_subleg_planar_pp_forward_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
-    const double v_0 = g->e_2[0] * theta[1].v;
-    const double v_1 = g->e_2[1] * theta[1].v;
-    s[0].v = g->o[0] + v_0 + g->e_1[0] * theta[0].v;
-    s[1].v = g->o[1] + v_1 + g->e_1[1] * theta[0].v;
+    const double v_0 = g->e_2[0][i] * theta[1].v;
+    const double v_1 = g->e_2[1][i] * theta[1].v;
+    s[0].v = g->o[0][i] + v_0 + g->e_1[0][i] * theta[0].v;
+    s[1].v = g->o[1][i] + v_1 + g->e_1[1][i] * theta[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        s[0].t[k] = g->e_2[0] * theta[1].t[k] + g->e_1[0] * theta[0].t[k];
-        s[1].t[k] = g->e_2[1] * theta[1].t[k] + g->e_1[1] * theta[0].t[k];
+        s[0].t[k] = g->e_2[0][i] * theta[1].t[k] + g->e_1[0][i] * theta[0].t[k];
+        s[1].t[k] = g->e_2[1][i] * theta[1].t[k] + g->e_1[1][i] * theta[0].t[k];
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6
  * add, 8 multiply) */
 static inline void krhpr_subleg_planar_pp_forward_posture_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT v)
 {
-    const double v_0 = g->e_2[0] * theta[1].v;
-    const double v_1 = g->e_2[1] * theta[1].v;
-    s[0].v = g->o[0] + v_0 + g->e_1[0] * theta[0].v;
-    s[1].v = g->o[1] + v_1 + g->e_1[1] * theta[0].v;
+    const double v_0 = g->e_2[0][i] * theta[1].v;
+    const double v_1 = g->e_2[1][i] * theta[1].v;
+    s[0].v = g->o[0][i] + v_0 + g->e_1[0][i] * theta[0].v;
+    s[1].v = g->o[1][i] + v_1 + g->e_1[1][i] * theta[0].v;
     v[0].v = v_0;
     v[1].v = v_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_2[0] * theta[1].t[k];
-        const double t2 = g->e_2[1] * theta[1].t[k];
-        s[0].t[k] = t1 + g->e_1[0] * theta[0].t[k];
-        s[1].t[k] = t2 + g->e_1[1] * theta[0].t[k];
+        const double t1 = g->e_2[0][i] * theta[1].t[k];
+        const double t2 = g->e_2[1][i] * theta[1].t[k];
+        s[0].t[k] = t1 + g->e_1[0][i] * theta[0].t[k];
+        s[1].t[k] = t2 + g->e_1[1][i] * theta[0].t[k];
         v[0].t[k] = t1;
         v[1].t[k] = t2;
     }
@@ -50,17 +50,17 @@ static inline void krhpr_subleg_planar_pp_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (6
  * add, 12 multiply) */
 static inline void krhpr_subleg_planar_pp_inverse_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
-    theta[0].v = (g->e_2[1] * d_0 - g->e_2[0] * d_1) * g->k[0];
-    theta[1].v = g->k[0] * (g->e_1[0] * d_1 - g->e_1[1] * d_0);
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
+    theta[0].v = (g->e_2[1][i] * d_0 - g->e_2[0][i] * d_1) * g->k[0][i];
+    theta[1].v = g->k[0][i] * (g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0);
     radicand[0].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        theta[0].t[k] = g->k[0] * (g->e_2[1] * s[0].t[k] - g->e_2[0] * s[1].t[k]);
-        theta[1].t[k] = g->k[0] * (g->e_1[0] * s[1].t[k] - g->e_1[1] * s[0].t[k]);
+        theta[0].t[k] = g->k[0][i] * (g->e_2[1][i] * s[0].t[k] - g->e_2[0][i] * s[1].t[k]);
+        theta[1].t[k] = g->k[0][i] * (g->e_1[0][i] * s[1].t[k] - g->e_1[1][i] * s[0].t[k]);
         radicand[0].t[k] = 0.0;
     }
 }
@@ -68,26 +68,27 @@ static inline void krhpr_subleg_planar_pp_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (6 add, 12 multiply) */
 static inline void krhpr_subleg_planar_pp_inverse_all_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
-    theta[0].v = (g->e_2[1] * d_0 - g->e_2[0] * d_1) * g->k[0];
-    theta[1].v = g->k[0] * (g->e_1[0] * d_1 - g->e_1[1] * d_0);
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
+    theta[0].v = (g->e_2[1][i] * d_0 - g->e_2[0][i] * d_1) * g->k[0][i];
+    theta[1].v = g->k[0][i] * (g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0);
     radicand[0].v = 1.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        theta[0].t[k] = g->k[0] * (g->e_2[1] * s[0].t[k] - g->e_2[0] * s[1].t[k]);
-        theta[1].t[k] = g->k[0] * (g->e_1[0] * s[1].t[k] - g->e_1[1] * s[0].t[k]);
+        theta[0].t[k] = g->k[0][i] * (g->e_2[1][i] * s[0].t[k] - g->e_2[0][i] * s[1].t[k]);
+        theta[1].t[k] = g->k[0][i] * (g->e_1[0][i] * s[1].t[k] - g->e_1[1][i] * s[0].t[k]);
         radicand[0].t[k] = 0.0;
     }
 }
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_planar_pp_reach_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, krhpr_dual *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     excess[0].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         excess[0].t[k] = 0.0;
@@ -97,27 +98,27 @@ static inline void krhpr_subleg_planar_pp_reach_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (4
  * multiply) */
 static inline void krhpr_subleg_planar_pp_posture_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT v)
 {
     (void)(s);
-    v[0].v = g->e_2[0] * theta[1].v;
-    v[1].v = g->e_2[1] * theta[1].v;
+    v[0].v = g->e_2[0][i] * theta[1].v;
+    v[1].v = g->e_2[1][i] * theta[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        v[0].t[k] = g->e_2[0] * theta[1].t[k];
-        v[1].t[k] = g->e_2[1] * theta[1].t[k];
+        v[0].t[k] = g->e_2[0][i] * theta[1].t[k];
+        v[1].t[k] = g->e_2[1][i] * theta[1].t[k];
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
 static inline void krhpr_subleg_planar_pp_jacobian_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, krhpr_dual *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT M)
 {
-    M[0].v = g->e_1[0];
-    M[1].v = g->e_2[0];
-    M[2].v = g->e_1[1];
-    M[3].v = g->e_2[1];
+    M[0].v = g->e_1[0][i];
+    M[1].v = g->e_2[0][i];
+    M[2].v = g->e_1[1][i];
+    M[3].v = g->e_2[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         M[0].t[k] = 0.0;
         M[1].t[k] = 0.0;
@@ -129,45 +130,46 @@ static inline void krhpr_subleg_planar_pp_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (4
  * add, 8 multiply) */
 static inline void krhpr_subleg_planar_pp_project_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
-    K[0].v = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v;
-    K[1].v = g->e_2[0] * N[0].v + g->e_2[1] * N[1].v;
+    K[0].v = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v;
+    K[1].v = g->e_2[0][i] * N[0].v + g->e_2[1][i] * N[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        K[0].t[k] = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k];
-        K[1].t[k] = g->e_2[0] * N[0].t[k] + g->e_2[1] * N[1].t[k];
+        K[0].t[k] = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k];
+        K[1].t[k] = g->e_2[0][i] * N[0].t[k] + g->e_2[1][i] * N[1].t[k];
     }
 }
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (4 add, 8
  * multiply) */
 static inline void krhpr_subleg_planar_pp_velocity_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *theta_dot,
+    krhpr_dual *KRHPR_RESTRICT s_dot)
 {
-    const double w_0 = g->e_1[0] * theta_dot[0].v + g->e_2[0] * theta_dot[1].v;
-    const double w_1 = g->e_1[1] * theta_dot[0].v + g->e_2[1] * theta_dot[1].v;
+    const double w_0 = g->e_1[0][i] * theta_dot[0].v + g->e_2[0][i] * theta_dot[1].v;
+    const double w_1 = g->e_1[1][i] * theta_dot[0].v + g->e_2[1][i] * theta_dot[1].v;
     s_dot[0].v = w_0;
     s_dot[1].v = w_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        s_dot[0].t[k] = g->e_1[0] * theta_dot[0].t[k] + g->e_2[0] * theta_dot[1].t[k];
-        s_dot[1].t[k] = g->e_1[1] * theta_dot[0].t[k] + g->e_2[1] * theta_dot[1].t[k];
+        s_dot[0].t[k] = g->e_1[0][i] * theta_dot[0].t[k] + g->e_2[0][i] * theta_dot[1].t[k];
+        s_dot[1].t[k] = g->e_1[1][i] * theta_dot[0].t[k] + g->e_2[1][i] * theta_dot[1].t[k];
     }
 }
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (4 add, 8 multiply) */
 static inline void krhpr_subleg_planar_pp_bias_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
     (void)(s);
     (void)(theta);
-    s_dot[0].v = g->e_1[0] * theta_dot[0].v + g->e_2[0] * theta_dot[1].v;
-    s_dot[1].v = g->e_1[1] * theta_dot[0].v + g->e_2[1] * theta_dot[1].v;
+    s_dot[0].v = g->e_1[0][i] * theta_dot[0].v + g->e_2[0][i] * theta_dot[1].v;
+    s_dot[1].v = g->e_1[1][i] * theta_dot[0].v + g->e_2[1][i] * theta_dot[1].v;
     bias[0].v = 0.0;
     bias[1].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        s_dot[0].t[k] = g->e_1[0] * theta_dot[0].t[k] + g->e_2[0] * theta_dot[1].t[k];
-        s_dot[1].t[k] = g->e_1[1] * theta_dot[0].t[k] + g->e_2[1] * theta_dot[1].t[k];
+        s_dot[0].t[k] = g->e_1[0][i] * theta_dot[0].t[k] + g->e_2[0][i] * theta_dot[1].t[k];
+        s_dot[1].t[k] = g->e_1[1][i] * theta_dot[0].t[k] + g->e_2[1][i] * theta_dot[1].t[k];
         bias[0].t[k] = 0.0;
         bias[1].t[k] = 0.0;
     }
@@ -176,15 +178,15 @@ static inline void krhpr_subleg_planar_pp_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (4 add, 12
  * multiply) */
 static inline void krhpr_subleg_planar_pp_rates_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot,
-    krhpr_dual *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s_dot,
+    krhpr_dual *KRHPR_RESTRICT theta_dot, krhpr_dual *KRHPR_RESTRICT regularity)
 {
-    theta_dot[0].v = (g->e_2[1] * s_dot[0].v - g->e_2[0] * s_dot[1].v) * g->k[0];
-    theta_dot[1].v = g->k[0] * (g->e_1[0] * s_dot[1].v - g->e_1[1] * s_dot[0].v);
-    regularity[0].v = g->k[1];
+    theta_dot[0].v = (g->e_2[1][i] * s_dot[0].v - g->e_2[0][i] * s_dot[1].v) * g->k[0][i];
+    theta_dot[1].v = g->k[0][i] * (g->e_1[0][i] * s_dot[1].v - g->e_1[1][i] * s_dot[0].v);
+    regularity[0].v = g->k[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        theta_dot[0].t[k] = g->k[0] * (g->e_2[1] * s_dot[0].t[k] - g->e_2[0] * s_dot[1].t[k]);
-        theta_dot[1].t[k] = g->k[0] * (g->e_1[0] * s_dot[1].t[k] - g->e_1[1] * s_dot[0].t[k]);
+        theta_dot[0].t[k] = g->k[0][i] * (g->e_2[1][i] * s_dot[0].t[k] - g->e_2[0][i] * s_dot[1].t[k]);
+        theta_dot[1].t[k] = g->k[0][i] * (g->e_1[0][i] * s_dot[1].t[k] - g->e_1[1][i] * s_dot[0].t[k]);
         regularity[0].t[k] = 0.0;
     }
 }
@@ -192,11 +194,11 @@ static inline void krhpr_subleg_planar_pp_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (no
  * operations) */
 static inline void krhpr_subleg_planar_pp_determinant_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, krhpr_dual *KRHPR_RESTRICT det_M,
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
-    det_M[0].v = g->k[2];
-    factors[0].v = g->k[2];
+    det_M[0].v = g->k[2][i];
+    factors[0].v = g->k[2][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         det_M[0].t[k] = 0.0;
         factors[0].t[k] = 0.0;
@@ -205,10 +207,10 @@ static inline void krhpr_subleg_planar_pp_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_planar_pp_passive_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT link)
 {
-    link[0].v = g->e_2[0];
-    link[1].v = g->e_2[1];
+    link[0].v = g->e_2[0][i];
+    link[1].v = g->e_2[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         link[0].t[k] = 0.0;
         link[1].t[k] = 0.0;
@@ -217,11 +219,11 @@ static inline void krhpr_subleg_planar_pp_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
 static inline void krhpr_subleg_planar_pp_points_tangent(
-    const krhpr_subleg_planar_pp_geometry *g, const krhpr_dual *v, const krhpr_dual *s,
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *v, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
     points[2].v = s[0].v - v[0].v;
     points[3].v = s[1].v - v[1].v;
     points[4].v = s[0].v;

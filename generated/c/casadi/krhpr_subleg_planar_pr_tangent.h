@@ -13,37 +13,37 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6 add, 10
  * multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_pr_forward_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_0 = g->l_1 * h2;
-    const double u_1 = g->l_1 * h1;
-    s[0].v = g->o[0] + u_0 + g->e_1[0] * theta[0].v;
-    s[1].v = g->o[1] + u_1 + g->e_1[1] * theta[0].v;
+    const double u_0 = g->l_1[i] * h2;
+    const double u_1 = g->l_1[i] * h1;
+    s[0].v = g->o[0][i] + u_0 + g->e_1[0][i] * theta[0].v;
+    s[1].v = g->o[1][i] + u_1 + g->e_1[1][i] * theta[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        s[0].t[k] = g->e_1[0] * theta[0].t[k] - g->l_1 * (h1 * theta[1].t[k]);
-        s[1].t[k] = g->l_1 * (h2 * theta[1].t[k]) + g->e_1[1] * theta[0].t[k];
+        s[0].t[k] = g->e_1[0][i] * theta[0].t[k] - g->l_1[i] * (h1 * theta[1].t[k]);
+        s[1].t[k] = g->l_1[i] * (h2 * theta[1].t[k]) + g->e_1[1][i] * theta[0].t[k];
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6
  * add, 10 multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_pr_forward_posture_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT u)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_0 = g->l_1 * h2;
-    const double u_1 = g->l_1 * h1;
-    s[0].v = g->o[0] + u_0 + g->e_1[0] * theta[0].v;
-    s[1].v = g->o[1] + u_1 + g->e_1[1] * theta[0].v;
+    const double u_0 = g->l_1[i] * h2;
+    const double u_1 = g->l_1[i] * h1;
+    s[0].v = g->o[0][i] + u_0 + g->e_1[0][i] * theta[0].v;
+    s[1].v = g->o[1][i] + u_1 + g->e_1[1][i] * theta[0].v;
     u[0].v = u_0;
     u[1].v = u_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_1 * (h1 * theta[1].t[k]);
-        const double t2 = g->l_1 * (h2 * theta[1].t[k]);
-        s[0].t[k] = g->e_1[0] * theta[0].t[k] - t1;
-        s[1].t[k] = t2 + g->e_1[1] * theta[0].t[k];
+        const double t1 = g->l_1[i] * (h1 * theta[1].t[k]);
+        const double t2 = g->l_1[i] * (h2 * theta[1].t[k]);
+        s[0].t[k] = g->e_1[0][i] * theta[0].t[k] - t1;
+        s[1].t[k] = t2 + g->e_1[1][i] * theta[0].t[k];
         u[0].t[k] = -t1;
         u[1].t[k] = t2;
     }
@@ -52,29 +52,29 @@ static inline void krhpr_subleg_planar_pr_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (16
  * add, 27 multiply, 2 divide, 1 square root, 1 arctangent) */
 static inline void krhpr_subleg_planar_pr_inverse_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
-    const double across = g->e_1[0] * d_1 - g->e_1[1] * d_0;
-    const double h2 = g->k[0] - across * across;
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
+    const double across = g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0;
+    const double h2 = g->k[0][i] - across * across;
     const double t1 = sqrt(h2);
     const double along = mode[0] * t1;
-    const double h3 = g->e_1[0] * across + g->e_1[1] * along;
-    const double h2_a = g->e_1[0] * along - g->e_1[1] * across;
+    const double h3 = g->e_1[0][i] * across + g->e_1[1][i] * along;
+    const double h2_a = g->e_1[0][i] * along - g->e_1[1][i] * across;
     const double h1 = 1.0 / t1;
     const double h4 = 1.0 / (h2_a * h2_a + h3 * h3);
-    theta[0].v = g->e_1[0] * d_0 + g->e_1[1] * d_1 - along;
+    theta[0].v = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 - along;
     theta[1].v = krhpr_atan2(h3, h2_a);
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->e_1[0] * s[1].t[k] - g->e_1[1] * s[0].t[k];
+        const double t2 = g->e_1[0][i] * s[1].t[k] - g->e_1[1][i] * s[0].t[k];
         const double t3 = across * t2;
         const double t4 = t3 + t3;
         const double t5 = mode[0] * (h1 * (0.5 * t4));
-        const double t6 = h2_a * (g->e_1[0] * t2 - g->e_1[1] * t5) + h3 * (g->e_1[0] * t5 + g->e_1[1] * t2);
-        theta[0].t[k] = t5 + (g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k]);
+        const double t6 = h2_a * (g->e_1[0][i] * t2 - g->e_1[1][i] * t5) + h3 * (g->e_1[0][i] * t5 + g->e_1[1][i] * t2);
+        theta[0].t[k] = t5 + (g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k]);
         theta[1].t[k] = h4 * t6;
         radicand[0].t[k] = -t4;
     }
@@ -83,21 +83,21 @@ static inline void krhpr_subleg_planar_pr_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (24 add, 30 multiply, 3 divide, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_pr_inverse_all_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
-    const double across = g->e_1[0] * d_1 - g->e_1[1] * d_0;
-    const double h2 = g->k[0] - across * across;
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
+    const double across = g->e_1[0][i] * d_1 - g->e_1[1][i] * d_0;
+    const double h2 = g->k[0][i] - across * across;
     const double along = sqrt(h2);
-    const double t1 = g->e_1[0] * across;
-    const double t2 = g->e_1[1] * along;
+    const double t1 = g->e_1[0][i] * across;
+    const double t2 = g->e_1[1][i] * along;
     const double h3 = t1 + t2;
-    const double t3 = g->e_1[0] * along;
-    const double t4 = g->e_1[1] * across;
+    const double t3 = g->e_1[0][i] * along;
+    const double t4 = g->e_1[1][i] * across;
     const double h2_a = t3 - t4;
-    const double t5 = g->e_1[0] * d_0 + g->e_1[1] * d_1;
+    const double t5 = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1;
     const double h6 = t1 - t2;
     const double h5 = t3 + t4;
     const double h1 = 1.0 / along;
@@ -109,15 +109,15 @@ static inline void krhpr_subleg_planar_pr_inverse_all_tangent(
     theta[3].v = krhpr_atan2(h6, -h5);
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t6 = g->e_1[0] * s[1].t[k] - g->e_1[1] * s[0].t[k];
+        const double t6 = g->e_1[0][i] * s[1].t[k] - g->e_1[1][i] * s[0].t[k];
         const double t7 = across * t6;
         const double t8 = t7 + t7;
         const double t9 = h1 * (0.5 * t8);
-        const double t10 = g->e_1[0] * t6;
-        const double t11 = g->e_1[1] * t9;
-        const double t12 = g->e_1[0] * t9;
-        const double t13 = g->e_1[1] * t6;
-        const double t14 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k];
+        const double t10 = g->e_1[0][i] * t6;
+        const double t11 = g->e_1[1][i] * t9;
+        const double t12 = g->e_1[0][i] * t9;
+        const double t13 = g->e_1[1][i] * t6;
+        const double t14 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k];
         theta[0].t[k] = t9 + t14;
         theta[1].t[k] = h4 * (h2_a * (t10 - t11) + h3 * (t12 + t13));
         theta[2].t[k] = t14 - t9;
@@ -129,28 +129,28 @@ static inline void krhpr_subleg_planar_pr_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (6
  * multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_pr_posture_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT u)
 {
     (void)(s);
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    u[0].v = g->l_1 * h2;
-    u[1].v = g->l_1 * h1;
+    u[0].v = g->l_1[i] * h2;
+    u[1].v = g->l_1[i] * h1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        u[0].t[k] = -g->l_1 * (h1 * theta[1].t[k]);
-        u[1].t[k] = g->l_1 * (h2 * theta[1].t[k]);
+        u[0].t[k] = -g->l_1[i] * (h1 * theta[1].t[k]);
+        u[1].t[k] = g->l_1[i] * (h2 * theta[1].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
 static inline void krhpr_subleg_planar_pr_jacobian_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT M)
 {
     const double m_01 = -u[1].v;
-    M[0].v = g->e_1[0];
+    M[0].v = g->e_1[0][i];
     M[1].v = m_01;
-    M[2].v = g->e_1[1];
+    M[2].v = g->e_1[1][i];
     M[3].v = u[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         M[0].t[k] = 0.0;
@@ -163,14 +163,14 @@ static inline void krhpr_subleg_planar_pr_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (6
  * add, 10 multiply) */
 static inline void krhpr_subleg_planar_pr_project_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, const krhpr_dual *N,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *N,
     krhpr_dual *KRHPR_RESTRICT K)
 {
-    K[0].v = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v;
+    K[0].v = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v;
     K[1].v = u[0].v * N[1].v - u[1].v * N[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = N[1].v * u[0].t[k] + u[0].v * N[1].t[k] - (N[0].v * u[1].t[k] + u[1].v * N[0].t[k]);
-        K[0].t[k] = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k];
+        K[0].t[k] = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k];
         K[1].t[k] = t1;
     }
 }
@@ -178,16 +178,16 @@ static inline void krhpr_subleg_planar_pr_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (6 add,
  * 10 multiply) */
 static inline void krhpr_subleg_planar_pr_velocity_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, const krhpr_dual *theta_dot,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
-    const double w_0 = g->e_1[0] * theta_dot[0].v - u[1].v * theta_dot[1].v;
-    const double w_1 = g->e_1[1] * theta_dot[0].v + u[0].v * theta_dot[1].v;
+    const double w_0 = g->e_1[0][i] * theta_dot[0].v - u[1].v * theta_dot[1].v;
+    const double w_1 = g->e_1[1][i] * theta_dot[0].v + u[0].v * theta_dot[1].v;
     s_dot[0].v = w_0;
     s_dot[1].v = w_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_1[0] * theta_dot[0].t[k] - (theta_dot[1].v * u[1].t[k] + u[1].v * theta_dot[1].t[k]);
-        const double t2 = g->e_1[1] * theta_dot[0].t[k] + (theta_dot[1].v * u[0].t[k] + u[0].v * theta_dot[1].t[k]);
+        const double t1 = g->e_1[0][i] * theta_dot[0].t[k] - (theta_dot[1].v * u[1].t[k] + u[1].v * theta_dot[1].t[k]);
+        const double t2 = g->e_1[1][i] * theta_dot[0].t[k] + (theta_dot[1].v * u[0].t[k] + u[0].v * theta_dot[1].t[k]);
         s_dot[0].t[k] = t1;
         s_dot[1].t[k] = t2;
     }
@@ -196,26 +196,26 @@ static inline void krhpr_subleg_planar_pr_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (10 add, 32 multiply, 1 sine
  * cosine) */
 static inline void krhpr_subleg_planar_pr_bias_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
     (void)(s);
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_0 = g->l_1 * h2;
-    const double u_1 = g->l_1 * h1;
-    const double h4 = g->l_1 * (theta_dot[1].v * h1);
-    const double h3 = g->l_1 * (theta_dot[1].v * h2);
-    s_dot[0].v = g->e_1[0] * theta_dot[0].v - theta_dot[1].v * u_1;
-    s_dot[1].v = g->e_1[1] * theta_dot[0].v + theta_dot[1].v * u_0;
+    const double u_0 = g->l_1[i] * h2;
+    const double u_1 = g->l_1[i] * h1;
+    const double h4 = g->l_1[i] * (theta_dot[1].v * h1);
+    const double h3 = g->l_1[i] * (theta_dot[1].v * h2);
+    s_dot[0].v = g->e_1[0][i] * theta_dot[0].v - theta_dot[1].v * u_1;
+    s_dot[1].v = g->e_1[1][i] * theta_dot[0].v + theta_dot[1].v * u_0;
     bias[0].v = -theta_dot[1].v * h3;
     bias[1].v = -theta_dot[1].v * h4;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = h1 * theta[1].t[k];
         const double t2 = h2 * theta[1].t[k];
-        const double t3 = g->e_1[0] * theta_dot[0].t[k] - (u_1 * theta_dot[1].t[k] + theta_dot[1].v * (g->l_1 * t2));
-        const double t4 = g->e_1[1] * theta_dot[0].t[k] + (u_0 * theta_dot[1].t[k] - theta_dot[1].v * (g->l_1 * t1));
-        const double t5 = h3 * theta_dot[1].t[k] + theta_dot[1].v * (g->l_1 * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t1));
-        const double t6 = h4 * theta_dot[1].t[k] + theta_dot[1].v * (g->l_1 * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t2));
+        const double t3 = g->e_1[0][i] * theta_dot[0].t[k] - (u_1 * theta_dot[1].t[k] + theta_dot[1].v * (g->l_1[i] * t2));
+        const double t4 = g->e_1[1][i] * theta_dot[0].t[k] + (u_0 * theta_dot[1].t[k] - theta_dot[1].v * (g->l_1[i] * t1));
+        const double t5 = h3 * theta_dot[1].t[k] + theta_dot[1].v * (g->l_1[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t1));
+        const double t6 = h4 * theta_dot[1].t[k] + theta_dot[1].v * (g->l_1[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t2));
         s_dot[0].t[k] = t3;
         s_dot[1].t[k] = t4;
         bias[0].t[k] = -t5;
@@ -226,58 +226,58 @@ static inline void krhpr_subleg_planar_pr_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 22
  * multiply, 1 divide) */
 static inline void krhpr_subleg_planar_pr_rates_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, const krhpr_dual *s_dot,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *s_dot,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
-    const double along = g->e_1[0] * u[0].v + g->e_1[1] * u[1].v;
+    const double along = g->e_1[0][i] * u[0].v + g->e_1[1][i] * u[1].v;
     const double h2 = u[0].v * s_dot[0].v + u[1].v * s_dot[1].v;
     const double h1 = 1.0 / along;
-    const double h3 = g->e_1[0] * s_dot[1].v - g->e_1[1] * s_dot[0].v;
+    const double h3 = g->e_1[0][i] * s_dot[1].v - g->e_1[1][i] * s_dot[0].v;
     theta_dot[0].v = h2 * h1;
     theta_dot[1].v = h1 * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = s_dot[0].v * u[0].t[k] + u[0].v * s_dot[0].t[k] + (s_dot[1].v * u[1].t[k] + u[1].v * s_dot[1].t[k]);
-        const double t2 = h1 * (h1 * (g->e_1[0] * u[0].t[k] + g->e_1[1] * u[1].t[k]));
+        const double t2 = h1 * (h1 * (g->e_1[0][i] * u[0].t[k] + g->e_1[1][i] * u[1].t[k]));
         theta_dot[0].t[k] = h1 * t1 - h2 * t2;
-        theta_dot[1].t[k] = h1 * (g->e_1[0] * s_dot[1].t[k] - g->e_1[1] * s_dot[0].t[k]) - h3 * t2;
+        theta_dot[1].t[k] = h1 * (g->e_1[0][i] * s_dot[1].t[k] - g->e_1[1][i] * s_dot[0].t[k]) - h3 * t2;
     }
 }
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (2 add,
  * 6 multiply) */
 static inline void krhpr_subleg_planar_pr_determinant_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT det_M,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
-    const double along = g->e_1[0] * u[0].v + g->e_1[1] * u[1].v;
+    const double along = g->e_1[0][i] * u[0].v + g->e_1[1][i] * u[1].v;
     det_M[0].v = along;
-    factors[0].v = along * g->k[1];
+    factors[0].v = along * g->k[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_1[0] * u[0].t[k] + g->e_1[1] * u[1].t[k];
+        const double t1 = g->e_1[0][i] * u[0].t[k] + g->e_1[1][i] * u[1].t[k];
         det_M[0].t[k] = t1;
-        factors[0].t[k] = g->k[1] * t1;
+        factors[0].t[k] = g->k[1][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 static inline void krhpr_subleg_planar_pr_passive_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)
 {
-    link[0].v = u[0].v * g->k[1];
-    link[1].v = u[1].v * g->k[1];
+    link[0].v = u[0].v * g->k[1][i];
+    link[1].v = u[1].v * g->k[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        link[0].t[k] = g->k[1] * u[0].t[k];
-        link[1].t[k] = g->k[1] * u[1].t[k];
+        link[0].t[k] = g->k[1][i] * u[0].t[k];
+        link[1].t[k] = g->k[1][i] * u[1].t[k];
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
 static inline void krhpr_subleg_planar_pr_points_tangent(
-    const krhpr_subleg_planar_pr_geometry *g, const krhpr_dual *u, const krhpr_dual *s,
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
     points[2].v = s[0].v - u[0].v;
     points[3].v = s[1].v - u[1].v;
     points[4].v = s[0].v;

@@ -13,18 +13,18 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (30 add, 39
  * multiply, 2 divide, 1 square root) */
 static inline void krhpr_subleg_planar_prr2_forward_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_1_0 = g->o[0] + g->e_1[0] * theta[0].v;
-    const double d_1_1 = g->o[1] + g->e_1[1] * theta[0].v;
-    const double line_0 = g->k[0] + g->e_2[0] * theta[1].v - d_1_0;
-    const double line_1 = g->k[1] + g->e_2[1] * theta[1].v - d_1_1;
+    const double d_1_0 = g->o[0][i] + g->e_1[0][i] * theta[0].v;
+    const double d_1_1 = g->o[1][i] + g->e_1[1][i] * theta[0].v;
+    const double line_0 = g->k[0][i] + g->e_2[0][i] * theta[1].v - d_1_0;
+    const double line_1 = g->k[1][i] + g->e_2[1][i] * theta[1].v - d_1_1;
     const double d2 = line_0 * line_0 + line_1 * line_1;
-    const double h2 = 0.5 * (d2 + g->k[2] - g->k[3]);
+    const double h2 = 0.5 * (d2 + g->k[2][i] - g->k[3][i]);
     const double h1 = 1.0 / d2;
     const double along = h2 * h1;
-    const double h2_a = g->k[2] * h1 - along * along;
+    const double h2_a = g->k[2][i] * h1 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = line_0 * along - line_1 * across;
@@ -36,17 +36,17 @@ static inline void krhpr_subleg_planar_prr2_forward_tangent(
     s[1].v = r_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->e_1[0] * theta[0].t[k];
-        const double t3 = g->e_1[1] * theta[0].t[k];
-        const double t4 = g->e_2[0] * theta[1].t[k] - t2;
-        const double t5 = g->e_2[1] * theta[1].t[k] - t3;
+        const double t2 = g->e_1[0][i] * theta[0].t[k];
+        const double t3 = g->e_1[1][i] * theta[0].t[k];
+        const double t4 = g->e_2[0][i] * theta[1].t[k] - t2;
+        const double t5 = g->e_2[1][i] * theta[1].t[k] - t3;
         const double t6 = line_0 * t4;
         const double t7 = line_1 * t5;
         const double t8 = t6 + t6 + (t7 + t7);
         const double t9 = h1 * (h1 * t8);
         const double t10 = h1 * (0.5 * t8) - h2 * t9;
         const double t11 = along * t10;
-        const double t12 = g->k[2] * t9 + (t11 + t11);
+        const double t12 = g->k[2][i] * t9 + (t11 + t11);
         const double t13 = assembly[0] * (h3 * (0.5 * t12));
         s[0].t[k] = t2 + (along * t4 + line_0 * t10 - (across * t5 - line_1 * t13));
         s[1].t[k] = t3 + (across * t4 - line_0 * t13 + (along * t5 + line_1 * t10));
@@ -57,35 +57,35 @@ static inline void krhpr_subleg_planar_prr2_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (46
  * add, 47 multiply, 2 divide, 1 square root) */
 static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double t1 = g->e_1[0] * theta[0].v;
-    const double d_1_0 = g->o[0] + t1;
-    const double t2 = g->e_1[1] * theta[0].v;
-    const double d_1_1 = g->o[1] + t2;
-    const double t3 = g->e_2[0] * theta[1].v;
-    const double line_0 = g->k[0] + t3 - d_1_0;
-    const double t4 = g->e_2[1] * theta[1].v;
-    const double line_1 = g->k[1] + t4 - d_1_1;
+    const double t1 = g->e_1[0][i] * theta[0].v;
+    const double d_1_0 = g->o[0][i] + t1;
+    const double t2 = g->e_1[1][i] * theta[0].v;
+    const double d_1_1 = g->o[1][i] + t2;
+    const double t3 = g->e_2[0][i] * theta[1].v;
+    const double line_0 = g->k[0][i] + t3 - d_1_0;
+    const double t4 = g->e_2[1][i] * theta[1].v;
+    const double line_1 = g->k[1][i] + t4 - d_1_1;
     const double d2 = line_0 * line_0 + line_1 * line_1;
-    const double h2 = 0.5 * (d2 + g->k[2] - g->k[3]);
+    const double h2 = 0.5 * (d2 + g->k[2][i] - g->k[3][i]);
     const double h1 = 1.0 / d2;
     const double along = h2 * h1;
-    const double h2_a = g->k[2] * h1 - along * along;
+    const double h2_a = g->k[2][i] * h1 - along * along;
     const double t5 = sqrt(h2_a);
     const double across = assembly[0] * t5;
     const double meeting_0 = line_0 * along - line_1 * across;
     const double meeting_1 = line_0 * across + line_1 * along;
     const double r_0 = d_1_0 + meeting_0;
     const double r_1 = d_1_1 + meeting_1;
-    const double t6 = r_0 - g->o[0];
+    const double t6 = r_0 - g->o[0][i];
     const double w_1_0 = t6 - t1;
-    const double t7 = r_1 - g->o[1];
+    const double t7 = r_1 - g->o[1][i];
     const double w_1_1 = t7 - t2;
-    const double w_2_0 = t6 - g->o_12[0] - t3;
-    const double w_2_1 = t7 - g->o_12[1] - t4;
+    const double w_2_0 = t6 - g->o_12[0][i] - t3;
+    const double w_2_1 = t7 - g->o_12[1][i] - t4;
     const double h3 = 1.0 / t5;
     s[0].v = r_0;
     s[1].v = r_1;
@@ -93,15 +93,15 @@ static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
     w[1].v = w_1_1;
     w[2].v = w_2_0;
     w[3].v = w_2_1;
-    b[0].v = g->e_1[0] * w_1_0 + g->e_1[1] * w_1_1;
-    b[1].v = g->e_2[0] * w_2_0 + g->e_2[1] * w_2_1;
+    b[0].v = g->e_1[0][i] * w_1_0 + g->e_1[1][i] * w_1_1;
+    b[1].v = g->e_2[0][i] * w_2_0 + g->e_2[1][i] * w_2_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t8 = g->e_1[0] * theta[0].t[k];
-        const double t9 = g->e_1[1] * theta[0].t[k];
-        const double t10 = g->e_2[0] * theta[1].t[k];
+        const double t8 = g->e_1[0][i] * theta[0].t[k];
+        const double t9 = g->e_1[1][i] * theta[0].t[k];
+        const double t10 = g->e_2[0][i] * theta[1].t[k];
         const double t11 = t10 - t8;
-        const double t12 = g->e_2[1] * theta[1].t[k];
+        const double t12 = g->e_2[1][i] * theta[1].t[k];
         const double t13 = t12 - t9;
         const double t14 = line_0 * t11;
         const double t15 = line_1 * t13;
@@ -109,7 +109,7 @@ static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
         const double t17 = h1 * (h1 * t16);
         const double t18 = h1 * (0.5 * t16) - h2 * t17;
         const double t19 = along * t18;
-        const double t20 = g->k[2] * t17 + (t19 + t19);
+        const double t20 = g->k[2][i] * t17 + (t19 + t19);
         const double t21 = assembly[0] * (h3 * (0.5 * t20));
         const double t22 = t8 + (along * t11 + line_0 * t18 - (across * t13 - line_1 * t21));
         const double t23 = t9 + (across * t11 - line_0 * t21 + (along * t13 + line_1 * t18));
@@ -123,8 +123,8 @@ static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
         w[1].t[k] = t25;
         w[2].t[k] = t26;
         w[3].t[k] = t27;
-        b[0].t[k] = g->e_1[0] * t24 + g->e_1[1] * t25;
-        b[1].t[k] = g->e_2[0] * t26 + g->e_2[1] * t27;
+        b[0].t[k] = g->e_1[0][i] * t24 + g->e_1[1][i] * t25;
+        b[1].t[k] = g->e_2[0][i] * t26 + g->e_2[1][i] * t27;
         radicand[0].t[k] = -t20;
     }
 }
@@ -132,18 +132,18 @@ static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (38 add,
  * 37 multiply, 2 divide, 1 square root) */
 static inline void krhpr_subleg_planar_prr2_forward_all_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_1_0 = g->o[0] + g->e_1[0] * theta[0].v;
-    const double d_1_1 = g->o[1] + g->e_1[1] * theta[0].v;
-    const double line_0 = g->k[0] + g->e_2[0] * theta[1].v - d_1_0;
-    const double line_1 = g->k[1] + g->e_2[1] * theta[1].v - d_1_1;
+    const double d_1_0 = g->o[0][i] + g->e_1[0][i] * theta[0].v;
+    const double d_1_1 = g->o[1][i] + g->e_1[1][i] * theta[0].v;
+    const double line_0 = g->k[0][i] + g->e_2[0][i] * theta[1].v - d_1_0;
+    const double line_1 = g->k[1][i] + g->e_2[1][i] * theta[1].v - d_1_1;
     const double d2 = line_0 * line_0 + line_1 * line_1;
-    const double h2 = 0.5 * (d2 + g->k[2] - g->k[3]);
+    const double h2 = 0.5 * (d2 + g->k[2][i] - g->k[3][i]);
     const double h1 = 1.0 / d2;
     const double along = h2 * h1;
-    const double h2_a = g->k[2] * h1 - along * along;
+    const double h2_a = g->k[2][i] * h1 - along * along;
     const double across = sqrt(h2_a);
     const double t1 = line_0 * along;
     const double t2 = line_1 * across;
@@ -164,17 +164,17 @@ static inline void krhpr_subleg_planar_prr2_forward_all_tangent(
     s[3].v = r_1_a;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = g->e_1[0] * theta[0].t[k];
-        const double t6 = g->e_1[1] * theta[0].t[k];
-        const double t7 = g->e_2[0] * theta[1].t[k] - t5;
-        const double t8 = g->e_2[1] * theta[1].t[k] - t6;
+        const double t5 = g->e_1[0][i] * theta[0].t[k];
+        const double t6 = g->e_1[1][i] * theta[0].t[k];
+        const double t7 = g->e_2[0][i] * theta[1].t[k] - t5;
+        const double t8 = g->e_2[1][i] * theta[1].t[k] - t6;
         const double t9 = line_0 * t7;
         const double t10 = line_1 * t8;
         const double t11 = t9 + t9 + (t10 + t10);
         const double t12 = h1 * (h1 * t11);
         const double t13 = h1 * (0.5 * t11) - h2 * t12;
         const double t14 = along * t13;
-        const double t15 = g->k[2] * t12 + (t14 + t14);
+        const double t15 = g->k[2][i] * t12 + (t14 + t14);
         const double t16 = h3 * (0.5 * t15);
         const double t17 = along * t7 + line_0 * t13;
         const double t18 = across * t8 - line_1 * t16;
@@ -191,28 +191,28 @@ static inline void krhpr_subleg_planar_prr2_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (20
  * add, 28 multiply, 2 divide, 2 square root) */
 static inline void krhpr_subleg_planar_prr2_inverse_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double d_1_0 = s[0].v - g->o[0];
-    const double d_1_1 = s[1].v - g->o[1];
-    const double h1 = g->e_1[0] * d_1_1 - g->e_1[1] * d_1_0;
-    const double h2_1 = g->k[2] - h1 * h1;
-    const double d_2_0 = d_1_0 - g->o_12[0];
-    const double d_2_1 = d_1_1 - g->o_12[1];
-    const double h2 = g->e_2[0] * d_2_1 - g->e_2[1] * d_2_0;
-    const double h2_2 = g->k[3] - h2 * h2;
+    const double d_1_0 = s[0].v - g->o[0][i];
+    const double d_1_1 = s[1].v - g->o[1][i];
+    const double h1 = g->e_1[0][i] * d_1_1 - g->e_1[1][i] * d_1_0;
+    const double h2_1 = g->k[2][i] - h1 * h1;
+    const double d_2_0 = d_1_0 - g->o_12[0][i];
+    const double d_2_1 = d_1_1 - g->o_12[1][i];
+    const double h2 = g->e_2[0][i] * d_2_1 - g->e_2[1][i] * d_2_0;
+    const double h2_2 = g->k[3][i] - h2 * h2;
     const double t1 = sqrt(h2_1);
     const double t2 = sqrt(h2_2);
     const double h3 = 1.0 / t1;
     const double h4 = 1.0 / t2;
-    theta[0].v = g->e_1[0] * d_1_0 + g->e_1[1] * d_1_1 - mode[0] * t1;
-    theta[1].v = g->e_2[0] * d_2_0 + g->e_2[1] * d_2_1 - mode[1] * t2;
+    theta[0].v = g->e_1[0][i] * d_1_0 + g->e_1[1][i] * d_1_1 - mode[0] * t1;
+    theta[1].v = g->e_2[0][i] * d_2_0 + g->e_2[1][i] * d_2_1 - mode[1] * t2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = h1 * (g->e_1[0] * s[1].t[k] - g->e_1[1] * s[0].t[k]);
-        const double t4 = h2 * (g->e_2[0] * s[1].t[k] - g->e_2[1] * s[0].t[k]);
-        const double t5 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + mode[0] * (h3 * (0.5 * (t3 + t3)));
-        const double t6 = g->e_2[0] * s[0].t[k] + g->e_2[1] * s[1].t[k] + mode[1] * (h4 * (0.5 * (t4 + t4)));
+        const double t3 = h1 * (g->e_1[0][i] * s[1].t[k] - g->e_1[1][i] * s[0].t[k]);
+        const double t4 = h2 * (g->e_2[0][i] * s[1].t[k] - g->e_2[1][i] * s[0].t[k]);
+        const double t5 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + mode[0] * (h3 * (0.5 * (t3 + t3)));
+        const double t6 = g->e_2[0][i] * s[0].t[k] + g->e_2[1][i] * s[1].t[k] + mode[1] * (h4 * (0.5 * (t4 + t4)));
         theta[0].t[k] = t5;
         theta[1].t[k] = t6;
     }
@@ -221,20 +221,20 @@ static inline void krhpr_subleg_planar_prr2_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (24 add, 24 multiply, 2 divide, 2 square root) */
 static inline void krhpr_subleg_planar_prr2_inverse_all_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double d_1_0 = s[0].v - g->o[0];
-    const double d_1_1 = s[1].v - g->o[1];
-    const double h1 = g->e_1[0] * d_1_1 - g->e_1[1] * d_1_0;
-    const double h2_1 = g->k[2] - h1 * h1;
-    const double d_2_0 = d_1_0 - g->o_12[0];
-    const double d_2_1 = d_1_1 - g->o_12[1];
-    const double h2 = g->e_2[0] * d_2_1 - g->e_2[1] * d_2_0;
-    const double h2_2 = g->k[3] - h2 * h2;
-    const double t1 = g->e_1[0] * d_1_0 + g->e_1[1] * d_1_1;
+    const double d_1_0 = s[0].v - g->o[0][i];
+    const double d_1_1 = s[1].v - g->o[1][i];
+    const double h1 = g->e_1[0][i] * d_1_1 - g->e_1[1][i] * d_1_0;
+    const double h2_1 = g->k[2][i] - h1 * h1;
+    const double d_2_0 = d_1_0 - g->o_12[0][i];
+    const double d_2_1 = d_1_1 - g->o_12[1][i];
+    const double h2 = g->e_2[0][i] * d_2_1 - g->e_2[1][i] * d_2_0;
+    const double h2_2 = g->k[3][i] - h2 * h2;
+    const double t1 = g->e_1[0][i] * d_1_0 + g->e_1[1][i] * d_1_1;
     const double t2 = sqrt(h2_1);
     const double theta_0 = t1 - t2;
-    const double t3 = g->e_2[0] * d_2_0 + g->e_2[1] * d_2_1;
+    const double t3 = g->e_2[0][i] * d_2_0 + g->e_2[1][i] * d_2_1;
     const double t4 = sqrt(h2_2);
     const double theta_1 = t3 - t4;
     const double theta_1_a = t3 + t4;
@@ -250,12 +250,12 @@ static inline void krhpr_subleg_planar_prr2_inverse_all_tangent(
     theta[6].v = theta_0_a;
     theta[7].v = theta_1_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = h1 * (g->e_1[0] * s[1].t[k] - g->e_1[1] * s[0].t[k]);
-        const double t6 = h2 * (g->e_2[0] * s[1].t[k] - g->e_2[1] * s[0].t[k]);
-        const double t7 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k];
+        const double t5 = h1 * (g->e_1[0][i] * s[1].t[k] - g->e_1[1][i] * s[0].t[k]);
+        const double t6 = h2 * (g->e_2[0][i] * s[1].t[k] - g->e_2[1][i] * s[0].t[k]);
+        const double t7 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k];
         const double t8 = h3 * (0.5 * (t5 + t5));
         const double t9 = t7 + t8;
-        const double t10 = g->e_2[0] * s[0].t[k] + g->e_2[1] * s[1].t[k];
+        const double t10 = g->e_2[0][i] * s[0].t[k] + g->e_2[1][i] * s[1].t[k];
         const double t11 = h4 * (0.5 * (t6 + t6));
         const double t12 = t10 + t11;
         const double t13 = t10 - t11;
@@ -274,42 +274,43 @@ static inline void krhpr_subleg_planar_prr2_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (16 add, 16 multiply) */
 static inline void krhpr_subleg_planar_prr2_posture_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b)
 {
-    const double t1 = s[0].v - g->o[0];
-    const double w_1_0 = t1 - g->e_1[0] * theta[0].v;
-    const double t2 = s[1].v - g->o[1];
-    const double w_1_1 = t2 - g->e_1[1] * theta[0].v;
-    const double w_2_0 = t1 - g->o_12[0] - g->e_2[0] * theta[1].v;
-    const double w_2_1 = t2 - g->o_12[1] - g->e_2[1] * theta[1].v;
+    const double t1 = s[0].v - g->o[0][i];
+    const double w_1_0 = t1 - g->e_1[0][i] * theta[0].v;
+    const double t2 = s[1].v - g->o[1][i];
+    const double w_1_1 = t2 - g->e_1[1][i] * theta[0].v;
+    const double w_2_0 = t1 - g->o_12[0][i] - g->e_2[0][i] * theta[1].v;
+    const double w_2_1 = t2 - g->o_12[1][i] - g->e_2[1][i] * theta[1].v;
     w[0].v = w_1_0;
     w[1].v = w_1_1;
     w[2].v = w_2_0;
     w[3].v = w_2_1;
-    b[0].v = g->e_1[0] * w_1_0 + g->e_1[1] * w_1_1;
-    b[1].v = g->e_2[0] * w_2_0 + g->e_2[1] * w_2_1;
+    b[0].v = g->e_1[0][i] * w_1_0 + g->e_1[1][i] * w_1_1;
+    b[1].v = g->e_2[0][i] * w_2_0 + g->e_2[1][i] * w_2_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = s[0].t[k] - g->e_1[0] * theta[0].t[k];
-        const double t4 = s[1].t[k] - g->e_1[1] * theta[0].t[k];
-        const double t5 = s[0].t[k] - g->e_2[0] * theta[1].t[k];
-        const double t6 = s[1].t[k] - g->e_2[1] * theta[1].t[k];
+        const double t3 = s[0].t[k] - g->e_1[0][i] * theta[0].t[k];
+        const double t4 = s[1].t[k] - g->e_1[1][i] * theta[0].t[k];
+        const double t5 = s[0].t[k] - g->e_2[0][i] * theta[1].t[k];
+        const double t6 = s[1].t[k] - g->e_2[1][i] * theta[1].t[k];
         w[0].t[k] = t3;
         w[1].t[k] = t4;
         w[2].t[k] = t5;
         w[3].t[k] = t6;
-        b[0].t[k] = g->e_1[0] * t3 + g->e_1[1] * t4;
-        b[1].t[k] = g->e_2[0] * t5 + g->e_2[1] * t6;
+        b[0].t[k] = g->e_1[0][i] * t3 + g->e_1[1][i] * t4;
+        b[1].t[k] = g->e_2[0][i] * t5 + g->e_2[1][i] * t6;
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (12 add, 32 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_prr2_jacobian_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
@@ -337,10 +338,11 @@ static inline void krhpr_subleg_planar_prr2_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (20 add, 44 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_prr2_project_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
@@ -368,10 +370,11 @@ static inline void krhpr_subleg_planar_prr2_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (16 add,
  * 32 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_prr2_velocity_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double w_0 = b[0].v * theta_dot[0].v;
     const double w_1 = b[1].v * theta_dot[1].v;
@@ -397,17 +400,17 @@ static inline void krhpr_subleg_planar_prr2_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (84 add, 118 multiply, 1
  * divide) */
 static inline void krhpr_subleg_planar_prr2_bias_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double t1 = s[0].v - g->o[0];
-    const double w_1_0 = t1 - g->e_1[0] * theta[0].v;
-    const double t2 = s[1].v - g->o[1];
-    const double w_1_1 = t2 - g->e_1[1] * theta[0].v;
-    const double w_2_0 = t1 - g->o_12[0] - g->e_2[0] * theta[1].v;
-    const double w_2_1 = t2 - g->o_12[1] - g->e_2[1] * theta[1].v;
-    const double b_0 = g->e_1[0] * w_1_0 + g->e_1[1] * w_1_1;
-    const double b_1 = g->e_2[0] * w_2_0 + g->e_2[1] * w_2_1;
+    const double t1 = s[0].v - g->o[0][i];
+    const double w_1_0 = t1 - g->e_1[0][i] * theta[0].v;
+    const double t2 = s[1].v - g->o[1][i];
+    const double w_1_1 = t2 - g->e_1[1][i] * theta[0].v;
+    const double w_2_0 = t1 - g->o_12[0][i] - g->e_2[0][i] * theta[1].v;
+    const double w_2_1 = t2 - g->o_12[1][i] - g->e_2[1][i] * theta[1].v;
+    const double b_0 = g->e_1[0][i] * w_1_0 + g->e_1[1][i] * w_1_1;
+    const double b_1 = g->e_2[0][i] * w_2_0 + g->e_2[1][i] * w_2_1;
     const double volume = w_1_0 * w_2_1 - w_1_1 * w_2_0;
     const double h1 = theta_dot[0].v * b_0;
     const double h2 = theta_dot[1].v * b_1;
@@ -416,12 +419,12 @@ static inline void krhpr_subleg_planar_prr2_bias_tangent(
     const double s_dot_0 = h4 * h3;
     const double h5 = w_1_0 * h2 - w_2_0 * h1;
     const double s_dot_1 = h3 * h5;
-    const double h6 = s_dot_0 - g->e_1[0] * theta_dot[0].v;
-    const double h8 = s_dot_1 - g->e_1[1] * theta_dot[0].v;
-    const double h9 = s_dot_0 - g->e_2[0] * theta_dot[1].v;
-    const double h7 = s_dot_1 - g->e_2[1] * theta_dot[1].v;
-    const double h10 = g->e_1[0] * h6 + g->e_1[1] * h8;
-    const double h12 = g->e_2[0] * h9 + g->e_2[1] * h7;
+    const double h6 = s_dot_0 - g->e_1[0][i] * theta_dot[0].v;
+    const double h8 = s_dot_1 - g->e_1[1][i] * theta_dot[0].v;
+    const double h9 = s_dot_0 - g->e_2[0][i] * theta_dot[1].v;
+    const double h7 = s_dot_1 - g->e_2[1][i] * theta_dot[1].v;
+    const double h10 = g->e_1[0][i] * h6 + g->e_1[1][i] * h8;
+    const double h12 = g->e_2[0][i] * h9 + g->e_2[1][i] * h7;
     const double h14 = w_2_1 * h6 + w_1_0 * h7 - (w_2_0 * h8 + w_1_1 * h9);
     const double h11 = theta_dot[0].v * h10;
     const double h13 = theta_dot[1].v * h12;
@@ -432,22 +435,22 @@ static inline void krhpr_subleg_planar_prr2_bias_tangent(
     bias[0].v = h3 * h15;
     bias[1].v = h3 * h16;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = s[0].t[k] - g->e_1[0] * theta[0].t[k];
-        const double t4 = s[1].t[k] - g->e_1[1] * theta[0].t[k];
-        const double t5 = s[0].t[k] - g->e_2[0] * theta[1].t[k];
-        const double t6 = s[1].t[k] - g->e_2[1] * theta[1].t[k];
-        const double t7 = b_0 * theta_dot[0].t[k] + theta_dot[0].v * (g->e_1[0] * t3 + g->e_1[1] * t4);
-        const double t8 = b_1 * theta_dot[1].t[k] + theta_dot[1].v * (g->e_2[0] * t5 + g->e_2[1] * t6);
+        const double t3 = s[0].t[k] - g->e_1[0][i] * theta[0].t[k];
+        const double t4 = s[1].t[k] - g->e_1[1][i] * theta[0].t[k];
+        const double t5 = s[0].t[k] - g->e_2[0][i] * theta[1].t[k];
+        const double t6 = s[1].t[k] - g->e_2[1][i] * theta[1].t[k];
+        const double t7 = b_0 * theta_dot[0].t[k] + theta_dot[0].v * (g->e_1[0][i] * t3 + g->e_1[1][i] * t4);
+        const double t8 = b_1 * theta_dot[1].t[k] + theta_dot[1].v * (g->e_2[0][i] * t5 + g->e_2[1][i] * t6);
         const double t9 = h3 * (h3 * (w_2_1 * t3 + w_1_0 * t6 - (w_2_0 * t4 + w_1_1 * t5)));
         const double t10 = h3 * (h1 * t6 + w_2_1 * t7 - (h2 * t4 + w_1_1 * t8)) - h4 * t9;
         const double t11 = h3 * (h2 * t3 + w_1_0 * t8 - (h1 * t5 + w_2_0 * t7)) - h5 * t9;
-        const double t12 = t10 - g->e_1[0] * theta_dot[0].t[k];
-        const double t13 = t11 - g->e_1[1] * theta_dot[0].t[k];
-        const double t14 = t10 - g->e_2[0] * theta_dot[1].t[k];
-        const double t15 = t11 - g->e_2[1] * theta_dot[1].t[k];
+        const double t12 = t10 - g->e_1[0][i] * theta_dot[0].t[k];
+        const double t13 = t11 - g->e_1[1][i] * theta_dot[0].t[k];
+        const double t14 = t10 - g->e_2[0][i] * theta_dot[1].t[k];
+        const double t15 = t11 - g->e_2[1][i] * theta_dot[1].t[k];
         const double t16 = h6 * t6 + w_2_1 * t12 + (h7 * t3 + w_1_0 * t15) - (h8 * t5 + w_2_0 * t13 + (h9 * t4 + w_1_1 * t14));
-        const double t17 = h10 * theta_dot[0].t[k] + theta_dot[0].v * (g->e_1[0] * t12 + g->e_1[1] * t13);
-        const double t18 = h12 * theta_dot[1].t[k] + theta_dot[1].v * (g->e_2[0] * t14 + g->e_2[1] * t15);
+        const double t17 = h10 * theta_dot[0].t[k] + theta_dot[0].v * (g->e_1[0][i] * t12 + g->e_1[1][i] * t13);
+        const double t18 = h12 * theta_dot[1].t[k] + theta_dot[1].v * (g->e_2[0][i] * t14 + g->e_2[1][i] * t15);
         const double t19 = h7 * t7 + h1 * t15 + (h11 * t6 + w_2_1 * t17) - (h8 * t8 + h2 * t13 + (h13 * t4 + w_1_1 * t18));
         const double t20 = h6 * t8 + h2 * t12 + (h13 * t3 + w_1_0 * t18) - (h9 * t7 + h1 * t14 + (h11 * t5 + w_2_0 * t17));
         s_dot[0].t[k] = t10;
@@ -460,10 +463,11 @@ static inline void krhpr_subleg_planar_prr2_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 16
  * multiply, 4 divide) */
 static inline void krhpr_subleg_planar_prr2_rates_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = w[0].v * s_dot[0].v + w[1].v * s_dot[1].v;
     const double w_1 = w[2].v * s_dot[0].v + w[3].v * s_dot[1].v;
     const double theta_dot_0 = w_0 / b[0].v;
@@ -483,35 +487,35 @@ static inline void krhpr_subleg_planar_prr2_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (6 add,
  * 17 multiply, 2 divide) */
 static inline void krhpr_subleg_planar_prr2_determinant_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double det_M_a = b[0].v * b[1].v / volume;
     const double h1 = 1.0 / volume;
     det_M[0].v = det_M_a;
-    factors[0].v = b[0].v * g->k[5];
-    factors[1].v = b[1].v * g->k[5];
-    factors[2].v = volume * g->k[4];
+    factors[0].v = b[0].v * g->k[5][i];
+    factors[1].v = b[1].v * g->k[5][i];
+    factors[2].v = volume * g->k[4][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         det_M[0].t[k] = h1 * (b[1].v * b[0].t[k] + b[0].v * b[1].t[k] - det_M_a * t1);
-        factors[0].t[k] = g->k[5] * b[0].t[k];
-        factors[1].t[k] = g->k[5] * b[1].t[k];
-        factors[2].t[k] = g->k[4] * t1;
+        factors[0].t[k] = g->k[5][i] * b[0].t[k];
+        factors[1].t[k] = g->k[5][i] * b[1].t[k];
+        factors[2].t[k] = g->k[4][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (28 add, 57 multiply, 4
  * divide, 1 square root, 3 arctangent) */
 static inline void krhpr_subleg_planar_prr2_passive_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, krhpr_dual *KRHPR_RESTRICT passive,
-    krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w,
+    krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double h2 = g->e_1[0] * w[1].v - g->e_1[1] * w[0].v;
-    const double h1 = g->e_1[0] * w[0].v + g->e_1[1] * w[1].v;
-    const double h5 = g->e_2[0] * w[3].v - g->e_2[1] * w[2].v;
-    const double h4 = g->e_2[0] * w[2].v + g->e_2[1] * w[3].v;
+    const double h2 = g->e_1[0][i] * w[1].v - g->e_1[1][i] * w[0].v;
+    const double h1 = g->e_1[0][i] * w[0].v + g->e_1[1][i] * w[1].v;
+    const double h5 = g->e_2[0][i] * w[3].v - g->e_2[1][i] * w[2].v;
+    const double h4 = g->e_2[0][i] * w[2].v + g->e_2[1][i] * w[3].v;
     const double h8 = w[0].v * w[3].v - w[1].v * w[2].v;
     const double h7 = w[0].v * w[2].v + w[1].v * w[3].v;
     const double size = sqrt(w[0].v * w[0].v + w[1].v * w[1].v);
@@ -525,8 +529,8 @@ static inline void krhpr_subleg_planar_prr2_passive_tangent(
     link[0].v = w[0].v * h10;
     link[1].v = w[1].v * h10;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = h1 * (g->e_1[0] * w[1].t[k] - g->e_1[1] * w[0].t[k]) - h2 * (g->e_1[0] * w[0].t[k] + g->e_1[1] * w[1].t[k]);
-        const double t2 = h4 * (g->e_2[0] * w[3].t[k] - g->e_2[1] * w[2].t[k]) - h5 * (g->e_2[0] * w[2].t[k] + g->e_2[1] * w[3].t[k]);
+        const double t1 = h1 * (g->e_1[0][i] * w[1].t[k] - g->e_1[1][i] * w[0].t[k]) - h2 * (g->e_1[0][i] * w[0].t[k] + g->e_1[1][i] * w[1].t[k]);
+        const double t2 = h4 * (g->e_2[0][i] * w[3].t[k] - g->e_2[1][i] * w[2].t[k]) - h5 * (g->e_2[0][i] * w[2].t[k] + g->e_2[1][i] * w[3].t[k]);
         const double t3 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t4 = w[2].v * w[0].t[k] + w[0].v * w[2].t[k] + (w[3].v * w[1].t[k] + w[1].v * w[3].t[k]);
         const double t5 = w[0].v * w[0].t[k];
@@ -542,15 +546,15 @@ static inline void krhpr_subleg_planar_prr2_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (8 add) */
 static inline void krhpr_subleg_planar_prr2_points_tangent(
-    const krhpr_subleg_planar_prr2_geometry *g, const krhpr_dual *w, const krhpr_dual *s,
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
     points[2].v = s[0].v - w[0].v;
     points[3].v = s[1].v - w[1].v;
-    points[4].v = g->k[0];
-    points[5].v = g->k[1];
+    points[4].v = g->k[0][i];
+    points[5].v = g->k[1][i];
     points[6].v = s[0].v - w[2].v;
     points[7].v = s[1].v - w[3].v;
     points[8].v = s[0].v;

@@ -13,32 +13,32 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8 add, 12
  * multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_rp_forward_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     double u_1, u_0; krhpr_sincos(theta[0].v, &u_1, &u_0);
-    const double d_0 = theta[1].v * u_0 - g->h * u_1;
-    const double d_1 = g->h * u_0 + theta[1].v * u_1;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    const double d_0 = theta[1].v * u_0 - g->h[i] * u_1;
+    const double d_1 = g->h[i] * u_0 + theta[1].v * u_1;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = u_1 * theta[0].t[k];
         const double t2 = u_0 * theta[0].t[k];
-        s[0].t[k] = u_0 * theta[1].t[k] - theta[1].v * t1 - g->h * t2;
-        s[1].t[k] = u_1 * theta[1].t[k] + theta[1].v * t2 - g->h * t1;
+        s[0].t[k] = u_0 * theta[1].t[k] - theta[1].v * t1 - g->h[i] * t2;
+        s[1].t[k] = u_1 * theta[1].t[k] + theta[1].v * t2 - g->h[i] * t1;
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8
  * add, 12 multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_rp_forward_posture_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u)
 {
     double u_1, u_0; krhpr_sincos(theta[0].v, &u_1, &u_0);
-    const double d_0 = theta[1].v * u_0 - g->h * u_1;
-    const double d_1 = g->h * u_0 + theta[1].v * u_1;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    const double d_0 = theta[1].v * u_0 - g->h[i] * u_1;
+    const double d_1 = g->h[i] * u_0 + theta[1].v * u_1;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     d[0].v = d_0;
     d[1].v = d_1;
     u[0].v = u_0;
@@ -46,8 +46,8 @@ static inline void krhpr_subleg_planar_rp_forward_posture_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = u_1 * theta[0].t[k];
         const double t2 = u_0 * theta[0].t[k];
-        const double t3 = u_0 * theta[1].t[k] - theta[1].v * t1 - g->h * t2;
-        const double t4 = u_1 * theta[1].t[k] + theta[1].v * t2 - g->h * t1;
+        const double t3 = u_0 * theta[1].t[k] - theta[1].v * t1 - g->h[i] * t2;
+        const double t4 = u_1 * theta[1].t[k] + theta[1].v * t2 - g->h[i] * t1;
         s[0].t[k] = t3;
         s[1].t[k] = t4;
         d[0].t[k] = t3;
@@ -60,16 +60,16 @@ static inline void krhpr_subleg_planar_rp_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (15
  * add, 23 multiply, 2 divide, 1 square root, 1 arctangent) */
 static inline void krhpr_subleg_planar_rp_inverse_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
-    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
+    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0][i];
     const double t1 = sqrt(h2);
     const double rho = mode[0] * t1;
-    const double h3 = d_1 * rho - g->h * d_0;
-    const double h2_a = d_0 * rho + g->h * d_1;
+    const double h3 = d_1 * rho - g->h[i] * d_0;
+    const double h2_a = d_0 * rho + g->h[i] * d_1;
     const double h1 = 1.0 / t1;
     const double h4 = 1.0 / (h2_a * h2_a + h3 * h3);
     theta[0].v = krhpr_atan2(h3, h2_a);
@@ -80,7 +80,7 @@ static inline void krhpr_subleg_planar_rp_inverse_tangent(
         const double t3 = d_1 * s[1].t[k];
         const double t4 = t2 + t2 + (t3 + t3);
         const double t5 = mode[0] * (h1 * (0.5 * t4));
-        const double t6 = h2_a * (rho * s[1].t[k] + d_1 * t5 - g->h * s[0].t[k]) - h3 * (rho * s[0].t[k] + d_0 * t5 + g->h * s[1].t[k]);
+        const double t6 = h2_a * (rho * s[1].t[k] + d_1 * t5 - g->h[i] * s[0].t[k]) - h3 * (rho * s[0].t[k] + d_0 * t5 + g->h[i] * s[1].t[k]);
         theta[0].t[k] = h4 * t6;
         theta[1].t[k] = t5;
         radicand[0].t[k] = t4;
@@ -90,18 +90,18 @@ static inline void krhpr_subleg_planar_rp_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (21 add, 26 multiply, 3 divide, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_rp_inverse_all_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
-    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
+    const double h2 = d_0 * d_0 + d_1 * d_1 - g->k[0][i];
     const double rho = sqrt(h2);
     const double t1 = d_1 * rho;
-    const double t2 = g->h * d_0;
+    const double t2 = g->h[i] * d_0;
     const double h3 = t1 - t2;
     const double t3 = d_0 * rho;
-    const double t4 = g->h * d_1;
+    const double t4 = g->h[i] * d_1;
     const double h2_a = t3 + t4;
     const double rho_a = -rho;
     const double h6 = t1 + t2;
@@ -120,9 +120,9 @@ static inline void krhpr_subleg_planar_rp_inverse_all_tangent(
         const double t7 = t5 + t5 + (t6 + t6);
         const double t8 = h1 * (0.5 * t7);
         const double t9 = rho * s[1].t[k] + d_1 * t8;
-        const double t10 = g->h * s[0].t[k];
+        const double t10 = g->h[i] * s[0].t[k];
         const double t11 = rho * s[0].t[k] + d_0 * t8;
-        const double t12 = g->h * s[1].t[k];
+        const double t12 = g->h[i] * s[1].t[k];
         theta[0].t[k] = h4 * (h2_a * (t9 - t10) - h3 * (t11 + t12));
         theta[1].t[k] = t8;
         theta[2].t[k] = h7 * (h6 * (t12 - t11) - h5 * (t9 + t10));
@@ -134,13 +134,13 @@ static inline void krhpr_subleg_planar_rp_inverse_all_tangent(
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (7 add, 6 multiply, 1
  * divide, 1 square root) */
 static inline void krhpr_subleg_planar_rp_reach_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT excess)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double t1 = sqrt(d_0 * d_0 + d_1 * d_1);
     const double h1 = 1.0 / t1;
-    excess[0].v = g->k[1] - t1;
+    excess[0].v = g->k[1][i] - t1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = d_0 * s[0].t[k];
         const double t3 = d_1 * s[1].t[k];
@@ -151,12 +151,12 @@ static inline void krhpr_subleg_planar_rp_reach_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (2
  * add, 2 multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_rp_posture_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u)
 {
     double u_1, u_0; krhpr_sincos(theta[0].v, &u_1, &u_0);
-    d[0].v = s[0].v - g->o[0];
-    d[1].v = s[1].v - g->o[1];
+    d[0].v = s[0].v - g->o[0][i];
+    d[1].v = s[1].v - g->o[1][i];
     u[0].v = u_0;
     u[1].v = u_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
@@ -170,10 +170,11 @@ static inline void krhpr_subleg_planar_rp_posture_tangent(
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
 static inline void krhpr_subleg_planar_rp_jacobian_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *d, const krhpr_dual *u,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double m_00 = -d[1].v;
     M[0].v = m_00;
     M[1].v = u[0].v;
@@ -190,10 +191,11 @@ static inline void krhpr_subleg_planar_rp_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (8
  * add, 12 multiply) */
 static inline void krhpr_subleg_planar_rp_project_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *d, const krhpr_dual *u, const krhpr_dual *N,
-    krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
+    const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     K[0].v = d[0].v * N[1].v - d[1].v * N[0].v;
     K[1].v = u[0].v * N[0].v + u[1].v * N[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
@@ -207,10 +209,11 @@ static inline void krhpr_subleg_planar_rp_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (8 add,
  * 12 multiply) */
 static inline void krhpr_subleg_planar_rp_velocity_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *d, const krhpr_dual *u,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = u[0].v * theta_dot[1].v - d[1].v * theta_dot[0].v;
     const double w_1 = d[0].v * theta_dot[0].v + u[1].v * theta_dot[1].v;
     s_dot[0].v = w_0;
@@ -226,11 +229,11 @@ static inline void krhpr_subleg_planar_rp_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (20 add, 32 multiply, 1 sine
  * cosine) */
 static inline void krhpr_subleg_planar_rp_bias_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     double u_1, u_0; krhpr_sincos(theta[0].v, &u_1, &u_0);
     const double s_dot_0 = theta_dot[1].v * u_0 - theta_dot[0].v * d_1;
     const double s_dot_1 = theta_dot[0].v * d_0 + theta_dot[1].v * u_1;
@@ -257,10 +260,11 @@ static inline void krhpr_subleg_planar_rp_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (14 add, 26
  * multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rp_rates_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *d, const krhpr_dual *u,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
+    (void)(i);
     const double rho = d[0].v * u[0].v + d[1].v * u[1].v;
     const double h2 = u[1].v * s_dot[0].v - u[0].v * s_dot[1].v;
     const double h1 = 1.0 / rho;
@@ -280,24 +284,25 @@ static inline void krhpr_subleg_planar_rp_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
 static inline void krhpr_subleg_planar_rp_determinant_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *d, const krhpr_dual *u,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double rho = d[0].v * u[0].v + d[1].v * u[1].v;
     det_M[0].v = -rho;
-    factors[0].v = rho * g->k[2];
+    factors[0].v = rho * g->k[2][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = u[0].v * d[0].t[k] + d[0].v * u[0].t[k] + (u[1].v * d[1].t[k] + d[1].v * u[1].t[k]);
         det_M[0].t[k] = -t1;
-        factors[0].t[k] = g->k[2] * t1;
+        factors[0].t[k] = g->k[2][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_planar_rp_passive_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)
 {
     (void)(g);
+    (void)(i);
     link[0].v = u[0].v;
     link[1].v = u[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
@@ -308,20 +313,20 @@ static inline void krhpr_subleg_planar_rp_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (2 add, 4 multiply) */
 static inline void krhpr_subleg_planar_rp_points_tangent(
-    const krhpr_subleg_planar_rp_geometry *g, const krhpr_dual *u, const krhpr_dual *s,
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
-    points[2].v = g->o[0] - g->h * u[1].v;
-    points[3].v = g->o[1] + g->h * u[0].v;
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
+    points[2].v = g->o[0][i] - g->h[i] * u[1].v;
+    points[3].v = g->o[1][i] + g->h[i] * u[0].v;
     points[4].v = s[0].v;
     points[5].v = s[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
-        points[2].t[k] = -g->h * u[1].t[k];
-        points[3].t[k] = g->h * u[0].t[k];
+        points[2].t[k] = -g->h[i] * u[1].t[k];
+        points[3].t[k] = g->h[i] * u[0].t[k];
         points[4].t[k] = s[0].t[k];
         points[5].t[k] = s[1].t[k];
     }

@@ -13,18 +13,18 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (14 add, 24
  * multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_forward_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0].v * theta[0].v;
-    const double along = 0.5 * (g->k[0] + t1 - theta[1].v * theta[1].v) * g->k[1];
-    const double h2 = t1 * g->k[1] - along * along;
+    const double along = 0.5 * (g->k[0][i] + t1 - theta[1].v * theta[1].v) * g->k[1][i];
+    const double h2 = t1 * g->k[1][i] - along * along;
     const double t2 = sqrt(h2);
     const double across = assembly[0] * t2;
-    const double meeting_0 = g->o_12[0] * along - g->o_12[1] * across;
-    const double meeting_1 = g->o_12[0] * across + g->o_12[1] * along;
-    const double r_0 = g->o[0] + meeting_0;
-    const double r_1 = g->o[1] + meeting_1;
+    const double meeting_0 = g->o_12[0][i] * along - g->o_12[1][i] * across;
+    const double meeting_1 = g->o_12[0][i] * across + g->o_12[1][i] * along;
+    const double r_0 = g->o[0][i] + meeting_0;
+    const double r_1 = g->o[1][i] + meeting_1;
     const double h1 = 1.0 / t2;
     s[0].v = r_0;
     s[1].v = r_1;
@@ -33,12 +33,12 @@ static inline void krhpr_subleg_planar_rpr2_forward_tangent(
         const double t3 = theta[0].v * theta[0].t[k];
         const double t4 = t3 + t3;
         const double t5 = theta[1].v * theta[1].t[k];
-        const double t6 = g->k[1] * (0.5 * (t4 - (t5 + t5)));
+        const double t6 = g->k[1][i] * (0.5 * (t4 - (t5 + t5)));
         const double t7 = along * t6;
-        const double t8 = g->k[1] * t4 - (t7 + t7);
+        const double t8 = g->k[1][i] * t4 - (t7 + t7);
         const double t9 = assembly[0] * (h1 * (0.5 * t8));
-        s[0].t[k] = g->o_12[0] * t6 - g->o_12[1] * t9;
-        s[1].t[k] = g->o_12[0] * t9 + g->o_12[1] * t6;
+        s[0].t[k] = g->o_12[0][i] * t6 - g->o_12[1][i] * t9;
+        s[1].t[k] = g->o_12[0][i] * t9 + g->o_12[1][i] * t6;
         radicand[0].t[k] = t8;
     }
 }
@@ -46,23 +46,23 @@ static inline void krhpr_subleg_planar_rpr2_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (18
  * add, 24 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_forward_posture_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0].v * theta[0].v;
-    const double along = 0.5 * (g->k[0] + t1 - theta[1].v * theta[1].v) * g->k[1];
-    const double h2 = t1 * g->k[1] - along * along;
+    const double along = 0.5 * (g->k[0][i] + t1 - theta[1].v * theta[1].v) * g->k[1][i];
+    const double h2 = t1 * g->k[1][i] - along * along;
     const double t2 = sqrt(h2);
     const double across = assembly[0] * t2;
-    const double meeting_0 = g->o_12[0] * along - g->o_12[1] * across;
-    const double meeting_1 = g->o_12[0] * across + g->o_12[1] * along;
-    const double r_0 = g->o[0] + meeting_0;
-    const double r_1 = g->o[1] + meeting_1;
-    const double w_1_0 = r_0 - g->o[0];
-    const double w_1_1 = r_1 - g->o[1];
-    const double w_2_0 = w_1_0 - g->o_12[0];
-    const double w_2_1 = w_1_1 - g->o_12[1];
+    const double meeting_0 = g->o_12[0][i] * along - g->o_12[1][i] * across;
+    const double meeting_1 = g->o_12[0][i] * across + g->o_12[1][i] * along;
+    const double r_0 = g->o[0][i] + meeting_0;
+    const double r_1 = g->o[1][i] + meeting_1;
+    const double w_1_0 = r_0 - g->o[0][i];
+    const double w_1_1 = r_1 - g->o[1][i];
+    const double w_2_0 = w_1_0 - g->o_12[0][i];
+    const double w_2_1 = w_1_1 - g->o_12[1][i];
     const double h1 = 1.0 / t2;
     s[0].v = r_0;
     s[1].v = r_1;
@@ -77,12 +77,12 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture_tangent(
         const double t3 = theta[0].v * theta[0].t[k];
         const double t4 = t3 + t3;
         const double t5 = theta[1].v * theta[1].t[k];
-        const double t6 = g->k[1] * (0.5 * (t4 - (t5 + t5)));
+        const double t6 = g->k[1][i] * (0.5 * (t4 - (t5 + t5)));
         const double t7 = along * t6;
-        const double t8 = g->k[1] * t4 - (t7 + t7);
+        const double t8 = g->k[1][i] * t4 - (t7 + t7);
         const double t9 = assembly[0] * (h1 * (0.5 * t8));
-        const double t10 = g->o_12[0] * t6 - g->o_12[1] * t9;
-        const double t11 = g->o_12[0] * t9 + g->o_12[1] * t6;
+        const double t10 = g->o_12[0][i] * t6 - g->o_12[1][i] * t9;
+        const double t11 = g->o_12[0][i] * t9 + g->o_12[1][i] * t6;
         s[0].t[k] = t10;
         s[1].t[k] = t11;
         w[0].t[k] = t10;
@@ -98,25 +98,25 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture_tangent(
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (20 add,
  * 22 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_rpr2_forward_all_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0].v * theta[0].v;
-    const double along = 0.5 * (g->k[0] + t1 - theta[1].v * theta[1].v) * g->k[1];
-    const double h2 = t1 * g->k[1] - along * along;
+    const double along = 0.5 * (g->k[0][i] + t1 - theta[1].v * theta[1].v) * g->k[1][i];
+    const double h2 = t1 * g->k[1][i] - along * along;
     const double across = sqrt(h2);
-    const double t2 = g->o_12[0] * along;
-    const double t3 = g->o_12[1] * across;
+    const double t2 = g->o_12[0][i] * along;
+    const double t3 = g->o_12[1][i] * across;
     const double meeting_0 = t2 - t3;
-    const double t4 = g->o_12[0] * across;
-    const double t5 = g->o_12[1] * along;
+    const double t4 = g->o_12[0][i] * across;
+    const double t5 = g->o_12[1][i] * along;
     const double meeting_1 = t4 + t5;
-    const double r_0 = g->o[0] + meeting_0;
-    const double r_1 = g->o[1] + meeting_1;
+    const double r_0 = g->o[0][i] + meeting_0;
+    const double r_1 = g->o[1][i] + meeting_1;
     const double meeting_0_a = t2 + t3;
     const double meeting_1_a = t5 - t4;
-    const double r_0_a = g->o[0] + meeting_0_a;
-    const double r_1_a = g->o[1] + meeting_1_a;
+    const double r_0_a = g->o[0][i] + meeting_0_a;
+    const double r_1_a = g->o[1][i] + meeting_1_a;
     const double h1 = 1.0 / across;
     s[0].v = r_0;
     s[1].v = r_1;
@@ -127,14 +127,14 @@ static inline void krhpr_subleg_planar_rpr2_forward_all_tangent(
         const double t6 = theta[0].v * theta[0].t[k];
         const double t7 = t6 + t6;
         const double t8 = theta[1].v * theta[1].t[k];
-        const double t9 = g->k[1] * (0.5 * (t7 - (t8 + t8)));
+        const double t9 = g->k[1][i] * (0.5 * (t7 - (t8 + t8)));
         const double t10 = along * t9;
-        const double t11 = g->k[1] * t7 - (t10 + t10);
+        const double t11 = g->k[1][i] * t7 - (t10 + t10);
         const double t12 = h1 * (0.5 * t11);
-        const double t13 = g->o_12[0] * t9;
-        const double t14 = g->o_12[1] * t12;
-        const double t15 = g->o_12[0] * t12;
-        const double t16 = g->o_12[1] * t9;
+        const double t13 = g->o_12[0][i] * t9;
+        const double t14 = g->o_12[1][i] * t12;
+        const double t15 = g->o_12[0][i] * t12;
+        const double t16 = g->o_12[1][i] * t9;
         s[0].t[k] = t13 - t14;
         s[1].t[k] = t15 + t16;
         s[2].t[k] = t13 + t14;
@@ -146,14 +146,14 @@ static inline void krhpr_subleg_planar_rpr2_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (12
  * add, 12 multiply, 2 divide, 2 square root) */
 static inline void krhpr_subleg_planar_rpr2_inverse_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double h1 = s[0].v - g->o[0];
-    const double h2 = s[1].v - g->o[1];
+    const double h1 = s[0].v - g->o[0][i];
+    const double h2 = s[1].v - g->o[1][i];
     const double theta_0 = sqrt(h1 * h1 + h2 * h2);
-    const double h4 = h1 - g->o_12[0];
-    const double h5 = h2 - g->o_12[1];
+    const double h4 = h1 - g->o_12[0][i];
+    const double h5 = h2 - g->o_12[1][i];
     const double theta_1 = sqrt(h4 * h4 + h5 * h5);
     const double h3 = 1.0 / theta_0;
     const double h6 = 1.0 / theta_1;
@@ -174,14 +174,14 @@ static inline void krhpr_subleg_planar_rpr2_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (12 add, 12 multiply, 2 divide, 2 square root) */
 static inline void krhpr_subleg_planar_rpr2_inverse_all_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double h1 = s[0].v - g->o[0];
-    const double h2 = s[1].v - g->o[1];
+    const double h1 = s[0].v - g->o[0][i];
+    const double h2 = s[1].v - g->o[1][i];
     const double theta_0 = sqrt(h1 * h1 + h2 * h2);
-    const double h4 = h1 - g->o_12[0];
-    const double h5 = h2 - g->o_12[1];
+    const double h4 = h1 - g->o_12[0][i];
+    const double h5 = h2 - g->o_12[1][i];
     const double theta_1 = sqrt(h4 * h4 + h5 * h5);
     const double h3 = 1.0 / theta_0;
     const double h6 = 1.0 / theta_1;
@@ -201,9 +201,10 @@ static inline void krhpr_subleg_planar_rpr2_inverse_all_tangent(
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_planar_rpr2_reach_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, krhpr_dual *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     excess[0].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         excess[0].t[k] = 0.0;
@@ -213,13 +214,13 @@ static inline void krhpr_subleg_planar_rpr2_reach_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (4
  * add) */
 static inline void krhpr_subleg_planar_rpr2_posture_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b)
 {
-    const double w_1_0 = s[0].v - g->o[0];
-    const double w_1_1 = s[1].v - g->o[1];
-    const double w_2_0 = w_1_0 - g->o_12[0];
-    const double w_2_1 = w_1_1 - g->o_12[1];
+    const double w_1_0 = s[0].v - g->o[0][i];
+    const double w_1_1 = s[1].v - g->o[1][i];
+    const double w_2_0 = w_1_0 - g->o_12[0][i];
+    const double w_2_1 = w_1_1 - g->o_12[1][i];
     w[0].v = w_1_0;
     w[1].v = w_1_1;
     w[2].v = w_2_0;
@@ -239,10 +240,11 @@ static inline void krhpr_subleg_planar_rpr2_posture_tangent(
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (12 add, 32 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rpr2_jacobian_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
@@ -270,10 +272,11 @@ static inline void krhpr_subleg_planar_rpr2_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (20 add, 44 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rpr2_project_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
@@ -301,10 +304,11 @@ static inline void krhpr_subleg_planar_rpr2_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (16 add,
  * 32 multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rpr2_velocity_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double w_0 = b[0].v * theta_dot[0].v;
     const double w_1 = b[1].v * theta_dot[1].v;
@@ -330,13 +334,13 @@ static inline void krhpr_subleg_planar_rpr2_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (60 add, 82 multiply, 1
  * divide) */
 static inline void krhpr_subleg_planar_rpr2_bias_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double w_1_0 = s[0].v - g->o[0];
-    const double w_1_1 = s[1].v - g->o[1];
-    const double w_2_0 = w_1_0 - g->o_12[0];
-    const double w_2_1 = w_1_1 - g->o_12[1];
+    const double w_1_0 = s[0].v - g->o[0][i];
+    const double w_1_1 = s[1].v - g->o[1][i];
+    const double w_2_0 = w_1_0 - g->o_12[0][i];
+    const double w_2_1 = w_1_1 - g->o_12[1][i];
     const double volume = w_1_0 * w_2_1 - w_1_1 * w_2_0;
     const double h1 = theta[0].v * theta_dot[0].v;
     const double h2 = theta[1].v * theta_dot[1].v;
@@ -380,10 +384,11 @@ static inline void krhpr_subleg_planar_rpr2_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 16
  * multiply, 4 divide) */
 static inline void krhpr_subleg_planar_rpr2_rates_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = w[0].v * s_dot[0].v + w[1].v * s_dot[1].v;
     const double w_1 = w[2].v * s_dot[0].v + w[3].v * s_dot[1].v;
     const double theta_dot_0 = w_0 / b[0].v;
@@ -403,35 +408,35 @@ static inline void krhpr_subleg_planar_rpr2_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (6 add,
  * 17 multiply, 2 divide) */
 static inline void krhpr_subleg_planar_rpr2_determinant_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
     const double det_M_a = b[0].v * b[1].v / volume;
     const double h1 = 1.0 / volume;
     det_M[0].v = det_M_a;
-    factors[0].v = b[0].v * g->k[3];
-    factors[1].v = b[1].v * g->k[3];
-    factors[2].v = volume * g->k[2];
+    factors[0].v = b[0].v * g->k[3][i];
+    factors[1].v = b[1].v * g->k[3][i];
+    factors[2].v = volume * g->k[2][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         det_M[0].t[k] = h1 * (b[1].v * b[0].t[k] + b[0].v * b[1].t[k] - det_M_a * t1);
-        factors[0].t[k] = g->k[3] * b[0].t[k];
-        factors[1].t[k] = g->k[3] * b[1].t[k];
-        factors[2].t[k] = g->k[2] * t1;
+        factors[0].t[k] = g->k[3][i] * b[0].t[k];
+        factors[1].t[k] = g->k[3][i] * b[1].t[k];
+        factors[2].t[k] = g->k[2][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (28 add, 57 multiply, 4
  * divide, 1 square root, 3 arctangent) */
 static inline void krhpr_subleg_planar_rpr2_passive_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *w, krhpr_dual *KRHPR_RESTRICT passive,
-    krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w,
+    krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double h2 = g->e_1[0] * w[1].v - g->e_1[1] * w[0].v;
-    const double h1 = g->e_1[0] * w[0].v + g->e_1[1] * w[1].v;
-    const double h5 = g->e_1[0] * w[3].v - g->e_1[1] * w[2].v;
-    const double h4 = g->e_1[0] * w[2].v + g->e_1[1] * w[3].v;
+    const double h2 = g->e_1[0][i] * w[1].v - g->e_1[1][i] * w[0].v;
+    const double h1 = g->e_1[0][i] * w[0].v + g->e_1[1][i] * w[1].v;
+    const double h5 = g->e_1[0][i] * w[3].v - g->e_1[1][i] * w[2].v;
+    const double h4 = g->e_1[0][i] * w[2].v + g->e_1[1][i] * w[3].v;
     const double h8 = w[0].v * w[3].v - w[1].v * w[2].v;
     const double h7 = w[0].v * w[2].v + w[1].v * w[3].v;
     const double size = sqrt(w[0].v * w[0].v + w[1].v * w[1].v);
@@ -445,8 +450,8 @@ static inline void krhpr_subleg_planar_rpr2_passive_tangent(
     link[0].v = w[0].v * h10;
     link[1].v = w[1].v * h10;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = h1 * (g->e_1[0] * w[1].t[k] - g->e_1[1] * w[0].t[k]) - h2 * (g->e_1[0] * w[0].t[k] + g->e_1[1] * w[1].t[k]);
-        const double t2 = h4 * (g->e_1[0] * w[3].t[k] - g->e_1[1] * w[2].t[k]) - h5 * (g->e_1[0] * w[2].t[k] + g->e_1[1] * w[3].t[k]);
+        const double t1 = h1 * (g->e_1[0][i] * w[1].t[k] - g->e_1[1][i] * w[0].t[k]) - h2 * (g->e_1[0][i] * w[0].t[k] + g->e_1[1][i] * w[1].t[k]);
+        const double t2 = h4 * (g->e_1[0][i] * w[3].t[k] - g->e_1[1][i] * w[2].t[k]) - h5 * (g->e_1[0][i] * w[2].t[k] + g->e_1[1][i] * w[3].t[k]);
         const double t3 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t4 = w[2].v * w[0].t[k] + w[0].v * w[2].t[k] + (w[3].v * w[1].t[k] + w[1].v * w[3].t[k]);
         const double t5 = w[0].v * w[0].t[k];
@@ -462,12 +467,12 @@ static inline void krhpr_subleg_planar_rpr2_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_planar_rpr2_points_tangent(
-    const krhpr_subleg_planar_rpr2_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
-    points[2].v = g->k[4];
-    points[3].v = g->k[5];
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
+    points[2].v = g->k[4][i];
+    points[3].v = g->k[5][i];
     points[4].v = s[0].v;
     points[5].v = s[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {

@@ -13,49 +13,49 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8 add, 12
  * multiply, 2 sine cosine) */
 static inline void krhpr_subleg_planar_rr_forward_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double v_1_0 = g->l_2 * h2;
-    const double v_1_1 = g->l_2 * h1;
+    const double v_1_0 = g->l_2[i] * h2;
+    const double v_1_1 = g->l_2[i] * h1;
     double h3, h4; krhpr_sincos(theta[0].v, &h3, &h4);
-    const double d_0 = v_1_0 + g->l_1 * h4;
-    const double d_1 = v_1_1 + g->l_1 * h3;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    const double d_0 = v_1_0 + g->l_1[i] * h4;
+    const double d_1 = v_1_1 + g->l_1[i] * h3;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[0].t[k] + theta[1].t[k];
-        s[0].t[k] = -(g->l_2 * (h1 * t2) + g->l_1 * (h3 * theta[0].t[k]));
-        s[1].t[k] = g->l_2 * (h2 * t2) + g->l_1 * (h4 * theta[0].t[k]);
+        s[0].t[k] = -(g->l_2[i] * (h1 * t2) + g->l_1[i] * (h3 * theta[0].t[k]));
+        s[1].t[k] = g->l_2[i] * (h2 * t2) + g->l_1[i] * (h4 * theta[0].t[k]);
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8
  * add, 12 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_planar_rr_forward_posture_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double v_1_0 = g->l_2 * h2;
-    const double v_1_1 = g->l_2 * h1;
+    const double v_1_0 = g->l_2[i] * h2;
+    const double v_1_1 = g->l_2[i] * h1;
     double h3, h4; krhpr_sincos(theta[0].v, &h3, &h4);
-    const double d_0 = v_1_0 + g->l_1 * h4;
-    const double d_1 = v_1_1 + g->l_1 * h3;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    const double d_0 = v_1_0 + g->l_1[i] * h4;
+    const double d_1 = v_1_1 + g->l_1[i] * h3;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     d[0].v = d_0;
     d[1].v = d_1;
     v_1[0].v = v_1_0;
     v_1[1].v = v_1_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[0].t[k] + theta[1].t[k];
-        const double t3 = g->l_2 * (h1 * t2);
-        const double t4 = g->l_2 * (h2 * t2);
-        const double t5 = -(t3 + g->l_1 * (h3 * theta[0].t[k]));
-        const double t6 = t4 + g->l_1 * (h4 * theta[0].t[k]);
+        const double t3 = g->l_2[i] * (h1 * t2);
+        const double t4 = g->l_2[i] * (h2 * t2);
+        const double t5 = -(t3 + g->l_1[i] * (h3 * theta[0].t[k]));
+        const double t6 = t4 + g->l_1[i] * (h4 * theta[0].t[k]);
         s[0].t[k] = t5;
         s[1].t[k] = t6;
         d[0].t[k] = t5;
@@ -68,19 +68,19 @@ static inline void krhpr_subleg_planar_rr_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.1, 2.5.  (25
  * add, 33 multiply, 3 divide, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_planar_rr_inverse_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[0];
-    const double h1 = g->k[1] - d2;
+    const double h2 = d2 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double h3 = 1.0 / t1;
@@ -105,18 +105,18 @@ static inline void krhpr_subleg_planar_rr_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.1, 2.5.
  * (32 add, 37 multiply, 4 divide, 1 square root, 4 arctangent) */
 static inline void krhpr_subleg_planar_rr_inverse_all_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[0];
-    const double h1 = g->k[1] - d2;
+    const double h2 = d2 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -158,31 +158,32 @@ static inline void krhpr_subleg_planar_rr_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (6
  * add, 6 multiply, 1 sine cosine) */
 static inline void krhpr_subleg_planar_rr_posture_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
     d[0].v = d_0;
     d[1].v = d_1;
-    v_1[0].v = d_0 - g->l_1 * h2;
-    v_1[1].v = d_1 - g->l_1 * h1;
+    v_1[0].v = d_0 - g->l_1[i] * h2;
+    v_1[1].v = d_1 - g->l_1[i] * h1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         d[0].t[k] = s[0].t[k];
         d[1].t[k] = s[1].t[k];
-        v_1[0].t[k] = s[0].t[k] + g->l_1 * (h1 * theta[0].t[k]);
-        v_1[1].t[k] = s[1].t[k] - g->l_1 * (h2 * theta[0].t[k]);
+        v_1[0].t[k] = s[0].t[k] + g->l_1[i] * (h1 * theta[0].t[k]);
+        v_1[1].t[k] = s[1].t[k] - g->l_1[i] * (h2 * theta[0].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
 static inline void krhpr_subleg_planar_rr_jacobian_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double m_00 = -d[1].v;
     const double m_01 = -v_1[1].v;
     M[0].v = m_00;
@@ -200,10 +201,11 @@ static inline void krhpr_subleg_planar_rr_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (8
  * add, 12 multiply) */
 static inline void krhpr_subleg_planar_rr_project_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     K[0].v = d[0].v * N[1].v - d[1].v * N[0].v;
     K[1].v = v_1[0].v * N[1].v - v_1[1].v * N[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
@@ -217,10 +219,11 @@ static inline void krhpr_subleg_planar_rr_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (8 add,
  * 12 multiply) */
 static inline void krhpr_subleg_planar_rr_velocity_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = -(d[1].v * theta_dot[0].v + v_1[1].v * theta_dot[1].v);
     const double w_1 = d[0].v * theta_dot[0].v + v_1[0].v * theta_dot[1].v;
     s_dot[0].v = w_0;
@@ -236,18 +239,18 @@ static inline void krhpr_subleg_planar_rr_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (28 add, 40 multiply, 1 sine
  * cosine) */
 static inline void krhpr_subleg_planar_rr_bias_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     double h1, h2; krhpr_sincos(theta[0].v, &h1, &h2);
-    const double v_1_0 = d_0 - g->l_1 * h2;
-    const double v_1_1 = d_1 - g->l_1 * h1;
+    const double v_1_0 = d_0 - g->l_1[i] * h2;
+    const double v_1_1 = d_1 - g->l_1[i] * h1;
     const double h4 = theta_dot[0].v * d_1 + theta_dot[1].v * v_1_1;
     const double s_dot_1 = theta_dot[0].v * d_0 + theta_dot[1].v * v_1_0;
-    const double h5 = g->l_1 * (theta_dot[0].v * h1) - h4;
-    const double h3 = s_dot_1 - g->l_1 * (theta_dot[0].v * h2);
+    const double h5 = g->l_1[i] * (theta_dot[0].v * h1) - h4;
+    const double h3 = s_dot_1 - g->l_1[i] * (theta_dot[0].v * h2);
     s_dot[0].v = -h4;
     s_dot[1].v = s_dot_1;
     bias[0].v = -(theta_dot[0].v * s_dot_1 + theta_dot[1].v * h3);
@@ -255,11 +258,11 @@ static inline void krhpr_subleg_planar_rr_bias_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = h1 * theta[0].t[k];
         const double t2 = h2 * theta[0].t[k];
-        const double t3 = d_1 * theta_dot[0].t[k] + theta_dot[0].v * s[1].t[k] + (v_1_1 * theta_dot[1].t[k] + theta_dot[1].v * (s[1].t[k] - g->l_1 * t2));
-        const double t4 = d_0 * theta_dot[0].t[k] + theta_dot[0].v * s[0].t[k] + (v_1_0 * theta_dot[1].t[k] + theta_dot[1].v * (s[0].t[k] + g->l_1 * t1));
-        const double t5 = theta_dot[1].v * (t4 - g->l_1 * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t1));
+        const double t3 = d_1 * theta_dot[0].t[k] + theta_dot[0].v * s[1].t[k] + (v_1_1 * theta_dot[1].t[k] + theta_dot[1].v * (s[1].t[k] - g->l_1[i] * t2));
+        const double t4 = d_0 * theta_dot[0].t[k] + theta_dot[0].v * s[0].t[k] + (v_1_0 * theta_dot[1].t[k] + theta_dot[1].v * (s[0].t[k] + g->l_1[i] * t1));
+        const double t5 = theta_dot[1].v * (t4 - g->l_1[i] * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t1));
         const double t6 = s_dot_1 * theta_dot[0].t[k] + theta_dot[0].v * t4 + (h3 * theta_dot[1].t[k] + t5);
-        const double t7 = theta_dot[1].v * (g->l_1 * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t2) - t3);
+        const double t7 = theta_dot[1].v * (g->l_1[i] * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t2) - t3);
         s_dot[0].t[k] = -t3;
         s_dot[1].t[k] = t4;
         bias[0].t[k] = -t6;
@@ -270,10 +273,11 @@ static inline void krhpr_subleg_planar_rr_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (14 add, 26
  * multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rr_rates_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
+    (void)(i);
     const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
     const double h2 = v_1[0].v * s_dot[0].v + v_1[1].v * s_dot[1].v;
     const double h1 = 1.0 / elbow;
@@ -293,40 +297,40 @@ static inline void krhpr_subleg_planar_rr_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
 static inline void krhpr_subleg_planar_rr_determinant_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
     det_M[0].v = elbow;
-    factors[0].v = elbow * g->k[5];
+    factors[0].v = elbow * g->k[5][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
         det_M[0].t[k] = t1;
-        factors[0].t[k] = g->k[5] * t1;
+        factors[0].t[k] = g->k[5][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 static inline void krhpr_subleg_planar_rr_passive_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
 {
-    link[0].v = v_1[0].v * g->k[6];
-    link[1].v = v_1[1].v * g->k[6];
+    link[0].v = v_1[0].v * g->k[6][i];
+    link[1].v = v_1[1].v * g->k[6][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        link[0].t[k] = g->k[6] * v_1[0].t[k];
-        link[1].t[k] = g->k[6] * v_1[1].t[k];
+        link[0].t[k] = g->k[6][i] * v_1[0].t[k];
+        link[1].t[k] = g->k[6][i] * v_1[1].t[k];
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (6 add) */
 static inline void krhpr_subleg_planar_rr_points_tangent(
-    const krhpr_subleg_planar_rr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
-    points[2].v = g->o[0] + d[0].v - v_1[0].v;
-    points[3].v = g->o[1] + d[1].v - v_1[1].v;
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
+    points[2].v = g->o[0][i] + d[0].v - v_1[0].v;
+    points[3].v = g->o[1][i] + d[1].v - v_1[1].v;
     points[4].v = s[0].v;
     points[5].v = s[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {

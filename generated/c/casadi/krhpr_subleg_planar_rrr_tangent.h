@@ -13,48 +13,50 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (14 add, 18
  * multiply, 3 sine cosine) */
 static inline void krhpr_subleg_planar_rrr_forward_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double u_2_0 = g->l_2 * h2;
-    const double u_2_1 = g->l_2 * h1;
+    const double u_2_0 = g->l_2[i] * h2;
+    const double u_2_1 = g->l_2[i] * h1;
     const double t2 = theta[2].v + t1;
     double h3, h4; krhpr_sincos(t2, &h3, &h4);
-    const double u_3_0 = g->l_3 * h4;
-    const double u_3_1 = g->l_3 * h3;
+    const double u_3_0 = g->l_3[i] * h4;
+    const double u_3_1 = g->l_3[i] * h3;
     double h5, h6; krhpr_sincos(theta[0].v, &h5, &h6);
-    const double d_0 = u_2_0 + u_3_0 + g->l_1 * h6;
-    const double d_1 = u_2_1 + u_3_1 + g->l_1 * h5;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    const double d_0 = u_2_0 + u_3_0 + g->l_1[i] * h6;
+    const double d_1 = u_2_1 + u_3_1 + g->l_1[i] * h5;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = theta[0].t[k] + theta[1].t[k];
         const double t4 = theta[2].t[k] + t3;
-        s[0].t[k] = -(g->l_2 * (h1 * t3) + g->l_3 * (h3 * t4) + g->l_1 * (h5 * theta[0].t[k]));
-        s[1].t[k] = g->l_2 * (h2 * t3) + g->l_3 * (h4 * t4) + g->l_1 * (h6 * theta[0].t[k]);
+        const double t5 = g->l_2[i] * (h1 * t3) + g->l_3[i] * (h3 * t4) + g->l_1[i] * (h5 * theta[0].t[k]);
+        const double t6 = g->l_2[i] * (h2 * t3) + g->l_3[i] * (h4 * t4) + g->l_1[i] * (h6 * theta[0].t[k]);
+        s[0].t[k] = -t5;
+        s[1].t[k] = t6;
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (14
  * add, 18 multiply, 3 sine cosine) */
 static inline void krhpr_subleg_planar_rrr_forward_posture_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT u_3)
 {
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double u_2_0 = g->l_2 * h2;
-    const double u_2_1 = g->l_2 * h1;
+    const double u_2_0 = g->l_2[i] * h2;
+    const double u_2_1 = g->l_2[i] * h1;
     const double t2 = theta[2].v + t1;
     double h3, h4; krhpr_sincos(t2, &h3, &h4);
-    const double u_3_0 = g->l_3 * h4;
-    const double u_3_1 = g->l_3 * h3;
+    const double u_3_0 = g->l_3[i] * h4;
+    const double u_3_1 = g->l_3[i] * h3;
     double h5, h6; krhpr_sincos(theta[0].v, &h5, &h6);
-    const double d_0 = u_2_0 + u_3_0 + g->l_1 * h6;
-    const double d_1 = u_2_1 + u_3_1 + g->l_1 * h5;
-    s[0].v = g->o[0] + d_0;
-    s[1].v = g->o[1] + d_1;
+    const double d_0 = u_2_0 + u_3_0 + g->l_1[i] * h6;
+    const double d_1 = u_2_1 + u_3_1 + g->l_1[i] * h5;
+    s[0].v = g->o[0][i] + d_0;
+    s[1].v = g->o[1][i] + d_1;
     d[0].v = d_0;
     d[1].v = d_1;
     u_2[0].v = u_2_0;
@@ -63,13 +65,13 @@ static inline void krhpr_subleg_planar_rrr_forward_posture_tangent(
     u_3[1].v = u_3_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = theta[0].t[k] + theta[1].t[k];
-        const double t4 = g->l_2 * (h1 * t3);
-        const double t5 = g->l_2 * (h2 * t3);
+        const double t4 = g->l_2[i] * (h1 * t3);
+        const double t5 = g->l_2[i] * (h2 * t3);
         const double t6 = theta[2].t[k] + t3;
-        const double t7 = g->l_3 * (h3 * t6);
-        const double t8 = g->l_3 * (h4 * t6);
-        const double t9 = -(t4 + t7 + g->l_1 * (h5 * theta[0].t[k]));
-        const double t10 = t5 + t8 + g->l_1 * (h6 * theta[0].t[k]);
+        const double t7 = g->l_3[i] * (h3 * t6);
+        const double t8 = g->l_3[i] * (h4 * t6);
+        const double t9 = -(t4 + t7 + g->l_1[i] * (h5 * theta[0].t[k]));
+        const double t10 = t5 + t8 + g->l_1[i] * (h6 * theta[0].t[k]);
         s[0].t[k] = t9;
         s[1].t[k] = t10;
         d[0].t[k] = t9;
@@ -84,20 +86,20 @@ static inline void krhpr_subleg_planar_rrr_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (45
  * add, 68 multiply, 5 divide, 1 square root, 1 sine cosine, 3 arctangent) */
 static inline void krhpr_subleg_planar_rrr_inverse_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     const krhpr_dual *swivel, krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double dir_1, dir_0; krhpr_sincos(swivel[0].v, &dir_1, &dir_0);
-    const double w_0 = s[0].v - g->o[0] - g->l_3 * dir_0;
-    const double w_1 = s[1].v - g->o[1] - g->l_3 * dir_1;
+    const double w_0 = s[0].v - g->o[0][i] - g->l_3[i] * dir_0;
+    const double w_1 = s[1].v - g->o[1][i] - g->l_3[i] * dir_1;
     const double d2 = w_0 * w_0 + w_1 * w_1;
-    const double h2 = d2 - g->k[0];
-    const double h1 = g->k[1] - d2;
+    const double h2 = d2 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double n = w_0 * A + w_1 * S;
     const double m = w_1 * A - w_0 * S;
     const double h7 = n * 0.5;
@@ -118,8 +120,8 @@ static inline void krhpr_subleg_planar_rrr_inverse_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = dir_1 * swivel[0].t[k];
         const double t3 = dir_0 * swivel[0].t[k];
-        const double t4 = s[0].t[k] + g->l_3 * t2;
-        const double t5 = s[1].t[k] - g->l_3 * t3;
+        const double t4 = s[0].t[k] + g->l_3[i] * t2;
+        const double t5 = s[1].t[k] - g->l_3[i] * t3;
         const double t6 = w_0 * t4;
         const double t7 = w_1 * t5;
         const double t8 = t6 + t6 + (t7 + t7);
@@ -141,19 +143,19 @@ static inline void krhpr_subleg_planar_rrr_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (68 add, 99 multiply, 7 divide, 1 square root, 1 sine cosine, 6 arctangent) */
 static inline void krhpr_subleg_planar_rrr_inverse_all_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *s, const krhpr_dual *swivel,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *swivel,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double dir_1, dir_0; krhpr_sincos(swivel[0].v, &dir_1, &dir_0);
-    const double w_0 = s[0].v - g->o[0] - g->l_3 * dir_0;
-    const double w_1 = s[1].v - g->o[1] - g->l_3 * dir_1;
+    const double w_0 = s[0].v - g->o[0][i] - g->l_3[i] * dir_0;
+    const double w_1 = s[1].v - g->o[1][i] - g->l_3[i] * dir_1;
     const double d2 = w_0 * w_0 + w_1 * w_1;
-    const double h2 = d2 - g->k[0];
-    const double h1 = g->k[1] - d2;
+    const double h2 = d2 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double t1 = w_0 * A;
     const double t2 = w_1 * S;
     const double n = t1 + t2;
@@ -192,8 +194,8 @@ static inline void krhpr_subleg_planar_rrr_inverse_all_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t5 = dir_1 * swivel[0].t[k];
         const double t6 = dir_0 * swivel[0].t[k];
-        const double t7 = s[0].t[k] + g->l_3 * t5;
-        const double t8 = s[1].t[k] - g->l_3 * t6;
+        const double t7 = s[0].t[k] + g->l_3[i] * t5;
+        const double t8 = s[1].t[k] - g->l_3[i] * t6;
         const double t9 = w_0 * t7;
         const double t10 = w_1 * t8;
         const double t11 = t9 + t9 + (t10 + t10);
@@ -229,42 +231,43 @@ static inline void krhpr_subleg_planar_rrr_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (12 add, 12 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_planar_rrr_posture_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT u_3)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double u_2_0 = g->l_2 * h2;
-    const double u_2_1 = g->l_2 * h1;
+    const double u_2_0 = g->l_2[i] * h2;
+    const double u_2_1 = g->l_2[i] * h1;
     double h3, h4; krhpr_sincos(theta[0].v, &h3, &h4);
     d[0].v = d_0;
     d[1].v = d_1;
     u_2[0].v = u_2_0;
     u_2[1].v = u_2_1;
-    u_3[0].v = d_0 - u_2_0 - g->l_1 * h4;
-    u_3[1].v = d_1 - u_2_1 - g->l_1 * h3;
+    u_3[0].v = d_0 - u_2_0 - g->l_1[i] * h4;
+    u_3[1].v = d_1 - u_2_1 - g->l_1[i] * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[0].t[k] + theta[1].t[k];
-        const double t3 = g->l_2 * (h1 * t2);
-        const double t4 = g->l_2 * (h2 * t2);
+        const double t3 = g->l_2[i] * (h1 * t2);
+        const double t4 = g->l_2[i] * (h2 * t2);
         d[0].t[k] = s[0].t[k];
         d[1].t[k] = s[1].t[k];
         u_2[0].t[k] = -t3;
         u_2[1].t[k] = t4;
-        u_3[0].t[k] = s[0].t[k] + t3 + g->l_1 * (h3 * theta[0].t[k]);
-        u_3[1].t[k] = s[1].t[k] - t4 - g->l_1 * (h4 * theta[0].t[k]);
+        u_3[0].t[k] = s[0].t[k] + t3 + g->l_1[i] * (h3 * theta[0].t[k]);
+        u_3[1].t[k] = s[1].t[k] - t4 - g->l_1[i] * (h4 * theta[0].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (4 add) */
 static inline void krhpr_subleg_planar_rrr_jacobian_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double m_00 = -d[1].v;
     const double m_01 = -(u_2[1].v + u_3[1].v);
     const double m_02 = -u_3[1].v;
@@ -288,10 +291,11 @@ static inline void krhpr_subleg_planar_rrr_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (16 add, 18 multiply) */
 static inline void krhpr_subleg_planar_rrr_project_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     const double h1 = u_2[1].v + u_3[1].v;
     const double m_11 = u_2[0].v + u_3[0].v;
     K[0].v = d[0].v * N[1].v - d[1].v * N[0].v;
@@ -310,10 +314,11 @@ static inline void krhpr_subleg_planar_rrr_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (18 add,
  * 18 multiply) */
 static inline void krhpr_subleg_planar_rrr_velocity_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double h1 = u_2[1].v + u_3[1].v;
     const double w_0 = -(theta_dot[1].v * h1 + d[1].v * theta_dot[0].v + u_3[1].v * theta_dot[2].v);
     const double h2 = u_2[0].v + u_3[0].v;
@@ -331,28 +336,28 @@ static inline void krhpr_subleg_planar_rrr_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (62 add, 68 multiply, 2 sine
  * cosine) */
 static inline void krhpr_subleg_planar_rrr_bias_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias,
     krhpr_dual *KRHPR_RESTRICT swivel_bias)
 {
-    const double d_0 = s[0].v - g->o[0];
-    const double d_1 = s[1].v - g->o[1];
+    const double d_0 = s[0].v - g->o[0][i];
+    const double d_1 = s[1].v - g->o[1][i];
     const double t1 = theta[0].v + theta[1].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double u_2_0 = g->l_2 * h2;
-    const double u_2_1 = g->l_2 * h1;
+    const double u_2_0 = g->l_2[i] * h2;
+    const double u_2_1 = g->l_2[i] * h1;
     double h3, h4; krhpr_sincos(theta[0].v, &h3, &h4);
-    const double u_3_0 = d_0 - u_2_0 - g->l_1 * h4;
-    const double u_3_1 = d_1 - u_2_1 - g->l_1 * h3;
+    const double u_3_0 = d_0 - u_2_0 - g->l_1[i] * h4;
+    const double u_3_1 = d_1 - u_2_1 - g->l_1[i] * h3;
     const double h5 = u_2_1 + u_3_1;
     const double h10 = theta_dot[1].v * h5 + theta_dot[0].v * d_1 + theta_dot[2].v * u_3_1;
     const double h6 = u_2_0 + u_3_0;
     const double s_dot_1 = theta_dot[0].v * d_0 + theta_dot[1].v * h6 + theta_dot[2].v * u_3_0;
     const double h7 = theta_dot[0].v + theta_dot[1].v;
-    const double t2 = g->l_2 * (h1 * h7);
-    const double t3 = g->l_2 * (h2 * h7);
-    const double h12 = t2 - h10 + g->l_1 * (theta_dot[0].v * h3);
-    const double h9 = s_dot_1 - t3 - g->l_1 * (theta_dot[0].v * h4);
+    const double t2 = g->l_2[i] * (h1 * h7);
+    const double t3 = g->l_2[i] * (h2 * h7);
+    const double h12 = t2 - h10 + g->l_1[i] * (theta_dot[0].v * h3);
+    const double h9 = s_dot_1 - t3 - g->l_1[i] * (theta_dot[0].v * h4);
     const double h8 = t3 + h9;
     const double h11 = h12 - t2;
     s_dot[0].v = -h10;
@@ -364,21 +369,21 @@ static inline void krhpr_subleg_planar_rrr_bias_tangent(
         const double t4 = theta[0].t[k] + theta[1].t[k];
         const double t5 = h1 * t4;
         const double t6 = h2 * t4;
-        const double t7 = g->l_2 * t5;
-        const double t8 = g->l_2 * t6;
+        const double t7 = g->l_2[i] * t5;
+        const double t8 = g->l_2[i] * t6;
         const double t9 = h3 * theta[0].t[k];
         const double t10 = h4 * theta[0].t[k];
-        const double t11 = s[0].t[k] + t7 + g->l_1 * t9;
-        const double t12 = s[1].t[k] - t8 - g->l_1 * t10;
+        const double t11 = s[0].t[k] + t7 + g->l_1[i] * t9;
+        const double t12 = s[1].t[k] - t8 - g->l_1[i] * t10;
         const double t13 = h5 * theta_dot[1].t[k] + theta_dot[1].v * (t8 + t12) + (d_1 * theta_dot[0].t[k] + theta_dot[0].v * s[1].t[k]);
         const double t14 = t13 + (u_3_1 * theta_dot[2].t[k] + theta_dot[2].v * t12);
         const double t15 = d_0 * theta_dot[0].t[k] + theta_dot[0].v * s[0].t[k] + (h6 * theta_dot[1].t[k] + theta_dot[1].v * (t11 - t7));
         const double t16 = t15 + (u_3_0 * theta_dot[2].t[k] + theta_dot[2].v * t11);
         const double t17 = theta_dot[0].t[k] + theta_dot[1].t[k];
-        const double t18 = g->l_2 * (h7 * t6 + h1 * t17);
-        const double t19 = g->l_2 * (h2 * t17 - h7 * t5);
-        const double t20 = t18 - t14 + g->l_1 * (h3 * theta_dot[0].t[k] + theta_dot[0].v * t10);
-        const double t21 = t16 - t19 - g->l_1 * (h4 * theta_dot[0].t[k] - theta_dot[0].v * t9);
+        const double t18 = g->l_2[i] * (h7 * t6 + h1 * t17);
+        const double t19 = g->l_2[i] * (h2 * t17 - h7 * t5);
+        const double t20 = t18 - t14 + g->l_1[i] * (h3 * theta_dot[0].t[k] + theta_dot[0].v * t10);
+        const double t21 = t16 - t19 - g->l_1[i] * (h4 * theta_dot[0].t[k] - theta_dot[0].v * t9);
         const double t22 = h8 * theta_dot[1].t[k] + theta_dot[1].v * (t19 + t21) + (s_dot_1 * theta_dot[0].t[k] + theta_dot[0].v * t16);
         const double t23 = h11 * theta_dot[1].t[k] + theta_dot[1].v * (t20 - t18) - (h10 * theta_dot[0].t[k] + theta_dot[0].v * t14);
         s_dot[0].t[k] = -t14;
@@ -392,16 +397,16 @@ static inline void krhpr_subleg_planar_rrr_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (32 add, 38
  * multiply, 1 divide) */
 static inline void krhpr_subleg_planar_rrr_rates_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *s_dot, const krhpr_dual *swivel_rates,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double u_1_0 = d[0].v - u_2[0].v - u_3[0].v;
     const double u_1_1 = d[1].v - u_2[1].v - u_3[1].v;
-    const double elbow = (u_2[1].v * u_1_0 - u_2[0].v * u_1_1) * g->k[5];
+    const double elbow = (u_2[1].v * u_1_0 - u_2[0].v * u_1_1) * g->k[5][i];
     const double w_dot_0 = s_dot[0].v + u_3[1].v * swivel_rates[0].v;
     const double w_dot_1 = s_dot[1].v - u_3[0].v * swivel_rates[0].v;
-    const double l12_sin_2 = g->l_2 * (g->l_1 * elbow);
+    const double l12_sin_2 = g->l_2[i] * (g->l_1[i] * elbow);
     const double h2 = u_2[0].v * w_dot_0 + u_2[1].v * w_dot_1;
     const double h1 = 1.0 / l12_sin_2;
     const double t_1 = h2 * h1;
@@ -413,11 +418,11 @@ static inline void krhpr_subleg_planar_rrr_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = d[0].t[k] - u_2[0].t[k] - u_3[0].t[k];
         const double t3 = d[1].t[k] - u_2[1].t[k] - u_3[1].t[k];
-        const double t4 = g->k[5] * (u_1_0 * u_2[1].t[k] + u_2[1].v * t2 - (u_1_1 * u_2[0].t[k] + u_2[0].v * t3));
+        const double t4 = g->k[5][i] * (u_1_0 * u_2[1].t[k] + u_2[1].v * t2 - (u_1_1 * u_2[0].t[k] + u_2[0].v * t3));
         const double t5 = s_dot[0].t[k] + (swivel_rates[0].v * u_3[1].t[k] + u_3[1].v * swivel_rates[0].t[k]);
         const double t6 = s_dot[1].t[k] - (swivel_rates[0].v * u_3[0].t[k] + u_3[0].v * swivel_rates[0].t[k]);
         const double t7 = w_dot_0 * u_2[0].t[k] + u_2[0].v * t5 + (w_dot_1 * u_2[1].t[k] + u_2[1].v * t6);
-        const double t8 = h1 * (h1 * (g->l_2 * (g->l_1 * t4)));
+        const double t8 = h1 * (h1 * (g->l_2[i] * (g->l_1[i] * t4)));
         const double t9 = h1 * t7 - h2 * t8;
         const double t10 = h1 * (w_dot_0 * t2 + u_1_0 * t5 + (w_dot_1 * t3 + u_1_1 * t6)) - h3 * t8;
         theta_dot[0].t[k] = t9;
@@ -429,12 +434,12 @@ static inline void krhpr_subleg_planar_rrr_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (35 add,
  * 34 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_planar_rrr_determinant_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double h1 = d[0].v - u_2[0].v - u_3[0].v;
     const double h2 = d[1].v - u_2[1].v - u_3[1].v;
-    const double elbow = (u_2[1].v * h1 - u_2[0].v * h2) * g->k[5];
+    const double elbow = (u_2[1].v * h1 - u_2[0].v * h2) * g->k[5][i];
     const double h3 = u_2[1].v + u_3[1].v;
     const double m_11 = u_2[0].v + u_3[0].v;
     const double minor_0 = d[0].v * h3 - d[1].v * m_11;
@@ -453,31 +458,31 @@ static inline void krhpr_subleg_planar_rrr_determinant_tangent(
         const double t6 = minor_1 * t4;
         const double t7 = minor_2 * (m_11 * u_3[1].t[k] + u_3[1].v * t3 - (h3 * u_3[0].t[k] + u_3[0].v * t2));
         det_M[0].t[k] = h4 * (0.5 * (t5 + t5 + (t6 + t6) + (t7 + t7)));
-        factors[0].t[k] = g->k[5] * t1;
+        factors[0].t[k] = g->k[5][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 static inline void krhpr_subleg_planar_rrr_passive_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT link)
 {
-    link[0].v = u_3[0].v * g->k[6];
-    link[1].v = u_3[1].v * g->k[6];
+    link[0].v = u_3[0].v * g->k[6][i];
+    link[1].v = u_3[1].v * g->k[6][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        link[0].t[k] = g->k[6] * u_3[0].t[k];
-        link[1].t[k] = g->k[6] * u_3[1].t[k];
+        link[0].t[k] = g->k[6][i] * u_3[0].t[k];
+        link[1].t[k] = g->k[6][i] * u_3[1].t[k];
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (8 add) */
 static inline void krhpr_subleg_planar_rrr_points_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *u_2, const krhpr_dual *u_3,
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_2, const krhpr_dual *u_3,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
     const double wrist_0 = s[0].v - u_3[0].v;
     const double wrist_1 = s[1].v - u_3[1].v;
-    points[0].v = g->o[0];
-    points[1].v = g->o[1];
+    points[0].v = g->o[0][i];
+    points[1].v = g->o[1][i];
     points[2].v = wrist_0 - u_2[0].v;
     points[3].v = wrist_1 - u_2[1].v;
     points[4].v = wrist_0;
@@ -501,9 +506,11 @@ static inline void krhpr_subleg_planar_rrr_points_tangent(
 /* `swivel` with the derivatives of its outputs along directions of its inputs.  (2 add, 5 multiply, 1
  * divide, 1 arctangent) */
 static inline void krhpr_subleg_planar_rrr_swivel_tangent(
-    const krhpr_subleg_planar_rrr_geometry *g, const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT swivel)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_3,
+    krhpr_dual *KRHPR_RESTRICT swivel)
 {
     (void)(g);
+    (void)(i);
     const double h1 = 1.0 / (u_3[0].v * u_3[0].v + u_3[1].v * u_3[1].v);
     swivel[0].v = krhpr_atan2(u_3[1].v, u_3[0].v);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {

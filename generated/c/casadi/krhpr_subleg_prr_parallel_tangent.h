@@ -13,57 +13,61 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (19 add, 28
  * multiply, 2 sine cosine) */
 static inline void krhpr_subleg_prr_parallel_forward_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[1].v + theta[2].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double v_1_0 = g->l_3 * h2;
-    const double v_1_1 = g->l_3 * h1;
+    const double v_1_0 = g->l_3[i] * h2;
+    const double v_1_1 = g->l_3[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double d_0 = v_1_0 + g->l_2 * h4;
-    const double d_1 = v_1_1 + g->l_2 * h3;
-    s[0].v = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0].v;
-    s[1].v = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0].v;
-    s[2].v = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    const double d_0 = v_1_0 + g->l_2[i] * h4;
+    const double d_1 = v_1_1 + g->l_2[i] * h3;
+    const double s_0 = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0].v;
+    const double s_1 = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0].v;
+    s[0].v = s_0;
+    s[1].v = s_1;
+    s[2].v = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[1].t[k] + theta[2].t[k];
-        const double t3 = g->l_3 * (h1 * t2) + g->l_2 * (h3 * theta[1].t[k]);
-        const double t4 = g->l_3 * (h2 * t2) + g->l_2 * (h4 * theta[1].t[k]);
-        s[0].t[k] = g->e_1[0] * t4 - g->e_x[0] * t3 + g->e_t[0] * theta[0].t[k];
-        s[1].t[k] = g->e_1[1] * t4 - g->e_x[1] * t3 + g->e_t[1] * theta[0].t[k];
-        s[2].t[k] = g->e_1[2] * t4 - g->e_x[2] * t3;
+        const double t3 = g->l_3[i] * (h1 * t2) + g->l_2[i] * (h3 * theta[1].t[k]);
+        const double t4 = g->l_3[i] * (h2 * t2) + g->l_2[i] * (h4 * theta[1].t[k]);
+        s[0].t[k] = g->e_1[0][i] * t4 - g->e_x[0][i] * t3 + g->e_t[0][i] * theta[0].t[k];
+        s[1].t[k] = g->e_1[1][i] * t4 - g->e_x[1][i] * t3 + g->e_t[1][i] * theta[0].t[k];
+        s[2].t[k] = g->e_1[2][i] * t4 - g->e_x[2][i] * t3;
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (19
  * add, 28 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_prr_parallel_forward_posture_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
-    krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *theta,
+    krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
     const double t1 = theta[1].v + theta[2].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double v_1_0 = g->l_3 * h2;
-    const double v_1_1 = g->l_3 * h1;
+    const double v_1_0 = g->l_3[i] * h2;
+    const double v_1_1 = g->l_3[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double d_0 = v_1_0 + g->l_2 * h4;
-    const double d_1 = v_1_1 + g->l_2 * h3;
-    s[0].v = g->c[0] + g->e_x[0] * d_0 + g->e_1[0] * d_1 + g->e_t[0] * theta[0].v;
-    s[1].v = g->c[1] + g->e_x[1] * d_0 + g->e_1[1] * d_1 + g->e_t[1] * theta[0].v;
-    s[2].v = g->c[2] + g->e_x[2] * d_0 + g->e_1[2] * d_1;
+    const double d_0 = v_1_0 + g->l_2[i] * h4;
+    const double d_1 = v_1_1 + g->l_2[i] * h3;
+    const double s_0 = g->c[0][i] + g->e_x[0][i] * d_0 + g->e_1[0][i] * d_1 + g->e_t[0][i] * theta[0].v;
+    const double s_1 = g->c[1][i] + g->e_x[1][i] * d_0 + g->e_1[1][i] * d_1 + g->e_t[1][i] * theta[0].v;
+    s[0].v = s_0;
+    s[1].v = s_1;
+    s[2].v = g->c[2][i] + g->e_x[2][i] * d_0 + g->e_1[2][i] * d_1;
     d[0].v = d_0;
     d[1].v = d_1;
     v_1[0].v = v_1_0;
     v_1[1].v = v_1_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[1].t[k] + theta[2].t[k];
-        const double t3 = g->l_3 * (h1 * t2);
-        const double t4 = g->l_3 * (h2 * t2);
-        const double t5 = t3 + g->l_2 * (h3 * theta[1].t[k]);
-        const double t6 = t4 + g->l_2 * (h4 * theta[1].t[k]);
-        s[0].t[k] = g->e_1[0] * t6 - g->e_x[0] * t5 + g->e_t[0] * theta[0].t[k];
-        s[1].t[k] = g->e_1[1] * t6 - g->e_x[1] * t5 + g->e_t[1] * theta[0].t[k];
-        s[2].t[k] = g->e_1[2] * t6 - g->e_x[2] * t5;
+        const double t3 = g->l_3[i] * (h1 * t2);
+        const double t4 = g->l_3[i] * (h2 * t2);
+        const double t5 = t3 + g->l_2[i] * (h3 * theta[1].t[k]);
+        const double t6 = t4 + g->l_2[i] * (h4 * theta[1].t[k]);
+        s[0].t[k] = g->e_1[0][i] * t6 - g->e_x[0][i] * t5 + g->e_t[0][i] * theta[0].t[k];
+        s[1].t[k] = g->e_1[1][i] * t6 - g->e_x[1][i] * t5 + g->e_t[1][i] * theta[0].t[k];
+        s[2].t[k] = g->e_1[2][i] * t6 - g->e_x[2][i] * t5;
         d[0].t[k] = -t5;
         d[1].t[k] = t6;
         v_1[0].t[k] = -t3;
@@ -74,41 +78,41 @@ static inline void krhpr_subleg_prr_parallel_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.  (36
  * add, 49 multiply, 3 divide, 1 square root, 2 arctangent) */
 static inline void krhpr_subleg_prr_parallel_inverse_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[0];
-    const double h1 = g->k[1] - d2;
+    const double h2 = d2 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double h3 = 1.0 / t1;
     const double h4 = 1.0 / (n * n + m * m);
     const double h5 = 1.0 / (C * C + S * S);
-    theta[0].v = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    theta[0].v = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     theta[1].v = krhpr_atan2(m, n);
     theta[2].v = krhpr_atan2(S, C);
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t3 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t2 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t3 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t4 = d_0 * t2;
         const double t5 = d_1 * t3;
         const double t6 = t4 + t4 + (t5 + t5);
         const double t7 = h1 * t6 - h2 * t6;
         const double t8 = mode[0] * (h3 * (0.5 * t7));
         const double t9 = n * (A * t3 + d_1 * t6 - (S * t2 + d_0 * t8)) - m * (A * t2 + d_0 * t6 + (S * t3 + d_1 * t8));
-        theta[0].t[k] = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        theta[0].t[k] = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
         theta[1].t[k] = h4 * t9;
         theta[2].t[k] = h5 * (C * t8 - S * t6);
         radicand[0].t[k] = t7;
@@ -118,28 +122,28 @@ static inline void krhpr_subleg_prr_parallel_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.
  * (43 add, 53 multiply, 4 divide, 1 square root, 4 arctangent) */
 static inline void krhpr_subleg_prr_parallel_inverse_all_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
-    krhpr_dual *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s,
+    krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d2 = d_0 * d_0 + d_1 * d_1;
-    const double h2 = d2 - g->k[0];
-    const double h1 = g->k[1] - d2;
+    const double h2 = d2 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
     const double t3 = d_1 * A;
     const double t4 = d_0 * S;
     const double m = t3 - t4;
-    const double theta_0 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double theta_0 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double S_a = -S;
     const double n_a = t1 - t2;
     const double m_a = t3 + t4;
@@ -155,8 +159,8 @@ static inline void krhpr_subleg_prr_parallel_inverse_all_tangent(
     theta[5].v = krhpr_atan2(S_a, C);
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t6 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t5 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t6 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t7 = d_0 * t5;
         const double t8 = d_1 * t6;
         const double t9 = t7 + t7 + (t8 + t8);
@@ -168,7 +172,7 @@ static inline void krhpr_subleg_prr_parallel_inverse_all_tangent(
         const double t15 = S * t5 + d_0 * t11;
         const double t16 = C * t11;
         const double t17 = S * t9;
-        const double t18 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        const double t18 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
         theta[0].t[k] = t18;
         theta[1].t[k] = h4 * (n * (t14 - t15) - m * (t12 + t13));
         theta[2].t[k] = h5 * (t16 - t17);
@@ -182,69 +186,69 @@ static inline void krhpr_subleg_prr_parallel_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (15 add, 18 multiply, 1 sine cosine) */
 static inline void krhpr_subleg_prr_parallel_posture_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
     d[0].v = d_0;
     d[1].v = d_1;
-    v_1[0].v = d_0 - g->l_2 * h2;
-    v_1[1].v = d_1 - g->l_2 * h1;
+    v_1[0].v = d_0 - g->l_2[i] * h2;
+    v_1[1].v = d_1 - g->l_2[i] * h1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t2 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t1 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t2 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         d[0].t[k] = t1;
         d[1].t[k] = t2;
-        v_1[0].t[k] = t1 + g->l_2 * (h1 * theta[1].t[k]);
-        v_1[1].t[k] = t2 - g->l_2 * (h2 * theta[1].t[k]);
+        v_1[0].t[k] = t1 + g->l_2[i] * (h1 * theta[1].t[k]);
+        v_1[1].t[k] = t2 - g->l_2[i] * (h2 * theta[1].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (12 add, 24 multiply) */
 static inline void krhpr_subleg_prr_parallel_jacobian_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT M)
 {
-    M[0].v = g->e_t[0];
-    M[1].v = g->e_1[0] * d[0].v - g->e_x[0] * d[1].v;
-    M[2].v = g->e_1[0] * v_1[0].v - g->e_x[0] * v_1[1].v;
-    M[3].v = g->e_t[1];
-    M[4].v = g->e_1[1] * d[0].v - g->e_x[1] * d[1].v;
-    M[5].v = g->e_1[1] * v_1[0].v - g->e_x[1] * v_1[1].v;
+    M[0].v = g->e_t[0][i];
+    M[1].v = g->e_1[0][i] * d[0].v - g->e_x[0][i] * d[1].v;
+    M[2].v = g->e_1[0][i] * v_1[0].v - g->e_x[0][i] * v_1[1].v;
+    M[3].v = g->e_t[1][i];
+    M[4].v = g->e_1[1][i] * d[0].v - g->e_x[1][i] * d[1].v;
+    M[5].v = g->e_1[1][i] * v_1[0].v - g->e_x[1][i] * v_1[1].v;
     M[6].v = 0.0;
-    M[7].v = g->e_1[2] * d[0].v - g->e_x[2] * d[1].v;
-    M[8].v = g->e_1[2] * v_1[0].v - g->e_x[2] * v_1[1].v;
+    M[7].v = g->e_1[2][i] * d[0].v - g->e_x[2][i] * d[1].v;
+    M[8].v = g->e_1[2][i] * v_1[0].v - g->e_x[2][i] * v_1[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         M[0].t[k] = 0.0;
-        M[1].t[k] = g->e_1[0] * d[0].t[k] - g->e_x[0] * d[1].t[k];
-        M[2].t[k] = g->e_1[0] * v_1[0].t[k] - g->e_x[0] * v_1[1].t[k];
+        M[1].t[k] = g->e_1[0][i] * d[0].t[k] - g->e_x[0][i] * d[1].t[k];
+        M[2].t[k] = g->e_1[0][i] * v_1[0].t[k] - g->e_x[0][i] * v_1[1].t[k];
         M[3].t[k] = 0.0;
-        M[4].t[k] = g->e_1[1] * d[0].t[k] - g->e_x[1] * d[1].t[k];
-        M[5].t[k] = g->e_1[1] * v_1[0].t[k] - g->e_x[1] * v_1[1].t[k];
+        M[4].t[k] = g->e_1[1][i] * d[0].t[k] - g->e_x[1][i] * d[1].t[k];
+        M[5].t[k] = g->e_1[1][i] * v_1[0].t[k] - g->e_x[1][i] * v_1[1].t[k];
         M[6].t[k] = 0.0;
-        M[7].t[k] = g->e_1[2] * d[0].t[k] - g->e_x[2] * d[1].t[k];
-        M[8].t[k] = g->e_1[2] * v_1[0].t[k] - g->e_x[2] * v_1[1].t[k];
+        M[7].t[k] = g->e_1[2][i] * d[0].t[k] - g->e_x[2][i] * d[1].t[k];
+        M[8].t[k] = g->e_1[2][i] * v_1[0].t[k] - g->e_x[2][i] * v_1[1].t[k];
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (36 add, 56 multiply) */
 static inline void krhpr_subleg_prr_parallel_project_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
-    const double n_00 = g->e_x[0] * N[0].v + g->e_x[1] * N[1].v + g->e_x[2] * N[2].v;
-    const double n_01 = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v + g->e_1[2] * N[2].v;
-    const double n_02 = g->e_t[0] * N[0].v + g->e_t[1] * N[1].v;
-    const double n_10 = g->e_x[0] * N[3].v + g->e_x[1] * N[4].v + g->e_x[2] * N[5].v;
-    const double n_11 = g->e_1[0] * N[3].v + g->e_1[1] * N[4].v + g->e_1[2] * N[5].v;
-    const double n_12 = g->e_t[0] * N[3].v + g->e_t[1] * N[4].v;
+    const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = g->e_t[0][i] * N[0].v + g->e_t[1][i] * N[1].v;
+    const double n_10 = g->e_x[0][i] * N[3].v + g->e_x[1][i] * N[4].v + g->e_x[2][i] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = g->e_t[0][i] * N[3].v + g->e_t[1][i] * N[4].v;
     K[0].v = n_02;
     K[1].v = d[0].v * n_01 - d[1].v * n_00;
     K[2].v = v_1[0].v * n_01 - v_1[1].v * n_00;
@@ -252,14 +256,14 @@ static inline void krhpr_subleg_prr_parallel_project_tangent(
     K[4].v = d[0].v * n_11 - d[1].v * n_10;
     K[5].v = v_1[0].v * n_11 - v_1[1].v * n_10;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_x[0] * N[0].t[k] + g->e_x[1] * N[1].t[k] + g->e_x[2] * N[2].t[k];
-        const double t2 = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k] + g->e_1[2] * N[2].t[k];
-        const double t3 = g->e_x[0] * N[3].t[k] + g->e_x[1] * N[4].t[k] + g->e_x[2] * N[5].t[k];
-        const double t4 = g->e_1[0] * N[3].t[k] + g->e_1[1] * N[4].t[k] + g->e_1[2] * N[5].t[k];
-        K[0].t[k] = g->e_t[0] * N[0].t[k] + g->e_t[1] * N[1].t[k];
+        const double t1 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t2 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t3 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t4 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        K[0].t[k] = g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k];
         K[1].t[k] = n_01 * d[0].t[k] + d[0].v * t2 - (n_00 * d[1].t[k] + d[1].v * t1);
         K[2].t[k] = n_01 * v_1[0].t[k] + v_1[0].v * t2 - (n_00 * v_1[1].t[k] + v_1[1].v * t1);
-        K[3].t[k] = g->e_t[0] * N[3].t[k] + g->e_t[1] * N[4].t[k];
+        K[3].t[k] = g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k];
         K[4].t[k] = n_11 * d[0].t[k] + d[0].v * t4 - (n_10 * d[1].t[k] + d[1].v * t3);
         K[5].t[k] = n_11 * v_1[0].t[k] + v_1[0].v * t4 - (n_10 * v_1[1].t[k] + v_1[1].v * t3);
     }
@@ -268,89 +272,89 @@ static inline void krhpr_subleg_prr_parallel_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (18 add,
  * 28 multiply) */
 static inline void krhpr_subleg_prr_parallel_velocity_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double t1 = d[1].v * theta_dot[1].v + v_1[1].v * theta_dot[2].v;
     const double w_2 = d[0].v * theta_dot[1].v + v_1[0].v * theta_dot[2].v;
-    s_dot[0].v = g->e_1[0] * w_2 + g->e_t[0] * theta_dot[0].v - g->e_x[0] * t1;
-    s_dot[1].v = g->e_1[1] * w_2 + g->e_t[1] * theta_dot[0].v - g->e_x[1] * t1;
-    s_dot[2].v = g->e_1[2] * w_2 - g->e_x[2] * t1;
+    s_dot[0].v = g->e_1[0][i] * w_2 + g->e_t[0][i] * theta_dot[0].v - g->e_x[0][i] * t1;
+    s_dot[1].v = g->e_1[1][i] * w_2 + g->e_t[1][i] * theta_dot[0].v - g->e_x[1][i] * t1;
+    s_dot[2].v = g->e_1[2][i] * w_2 - g->e_x[2][i] * t1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta_dot[1].v * d[1].t[k] + d[1].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[1].t[k] + v_1[1].v * theta_dot[2].t[k]);
         const double t3 = theta_dot[1].v * d[0].t[k] + d[0].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[0].t[k] + v_1[0].v * theta_dot[2].t[k]);
-        s_dot[0].t[k] = g->e_1[0] * t3 + g->e_t[0] * theta_dot[0].t[k] - g->e_x[0] * t2;
-        s_dot[1].t[k] = g->e_1[1] * t3 + g->e_t[1] * theta_dot[0].t[k] - g->e_x[1] * t2;
-        s_dot[2].t[k] = g->e_1[2] * t3 - g->e_x[2] * t2;
+        s_dot[0].t[k] = g->e_1[0][i] * t3 + g->e_t[0][i] * theta_dot[0].t[k] - g->e_x[0][i] * t2;
+        s_dot[1].t[k] = g->e_1[1][i] * t3 + g->e_t[1][i] * theta_dot[0].t[k] - g->e_x[1][i] * t2;
+        s_dot[2].t[k] = g->e_1[2][i] * t3 - g->e_x[2][i] * t2;
     }
 }
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (61 add, 92 multiply, 1 sine
  * cosine) */
 static inline void krhpr_subleg_prr_parallel_bias_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double v_1_0 = d_0 - g->l_2 * h2;
-    const double v_1_1 = d_1 - g->l_2 * h1;
+    const double v_1_0 = d_0 - g->l_2[i] * h2;
+    const double v_1_1 = d_1 - g->l_2[i] * h1;
     const double t1 = theta_dot[1].v * d_0 + theta_dot[2].v * v_1_0;
     const double t2 = theta_dot[1].v * d_1 + theta_dot[2].v * v_1_1;
-    const double s_dot_0 = g->e_1[0] * t1 + g->e_t[0] * theta_dot[0].v - g->e_x[0] * t2;
-    const double s_dot_1 = g->e_1[1] * t1 + g->e_t[1] * theta_dot[0].v - g->e_x[1] * t2;
-    const double s_dot_2 = g->e_1[2] * t1 - g->e_x[2] * t2;
-    const double h3 = g->e_x[0] * s_dot_0 + g->e_x[1] * s_dot_1 + g->e_x[2] * s_dot_2;
-    const double h5 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
-    const double h4 = h3 + g->l_2 * (theta_dot[1].v * h1);
-    const double h6 = h5 - g->l_2 * (theta_dot[1].v * h2);
+    const double s_dot_0 = g->e_1[0][i] * t1 + g->e_t[0][i] * theta_dot[0].v - g->e_x[0][i] * t2;
+    const double s_dot_1 = g->e_1[1][i] * t1 + g->e_t[1][i] * theta_dot[0].v - g->e_x[1][i] * t2;
+    const double s_dot_2 = g->e_1[2][i] * t1 - g->e_x[2][i] * t2;
+    const double h3 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2;
+    const double h5 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
+    const double h4 = h3 + g->l_2[i] * (theta_dot[1].v * h1);
+    const double h6 = h5 - g->l_2[i] * (theta_dot[1].v * h2);
     const double t3 = theta_dot[1].v * h3 + theta_dot[2].v * h4;
     const double t4 = theta_dot[1].v * h5 + theta_dot[2].v * h6;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
-    bias[0].v = g->e_1[0] * t3 - g->e_x[0] * t4;
-    bias[1].v = g->e_1[1] * t3 - g->e_x[1] * t4;
-    bias[2].v = g->e_1[2] * t3 - g->e_x[2] * t4;
+    bias[0].v = g->e_1[0][i] * t3 - g->e_x[0][i] * t4;
+    bias[1].v = g->e_1[1][i] * t3 - g->e_x[1][i] * t4;
+    bias[2].v = g->e_1[2][i] * t3 - g->e_x[2][i] * t4;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t6 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t5 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t6 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t7 = h1 * theta[1].t[k];
         const double t8 = h2 * theta[1].t[k];
-        const double t9 = d_0 * theta_dot[1].t[k] + theta_dot[1].v * t5 + (v_1_0 * theta_dot[2].t[k] + theta_dot[2].v * (t5 + g->l_2 * t7));
-        const double t10 = d_1 * theta_dot[1].t[k] + theta_dot[1].v * t6 + (v_1_1 * theta_dot[2].t[k] + theta_dot[2].v * (t6 - g->l_2 * t8));
-        const double t11 = g->e_1[0] * t9 + g->e_t[0] * theta_dot[0].t[k] - g->e_x[0] * t10;
-        const double t12 = g->e_1[1] * t9 + g->e_t[1] * theta_dot[0].t[k] - g->e_x[1] * t10;
-        const double t13 = g->e_1[2] * t9 - g->e_x[2] * t10;
-        const double t14 = g->e_x[0] * t11 + g->e_x[1] * t12 + g->e_x[2] * t13;
-        const double t15 = g->e_1[0] * t11 + g->e_1[1] * t12 + g->e_1[2] * t13;
-        const double t16 = theta_dot[2].v * (t14 + g->l_2 * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t8));
+        const double t9 = d_0 * theta_dot[1].t[k] + theta_dot[1].v * t5 + (v_1_0 * theta_dot[2].t[k] + theta_dot[2].v * (t5 + g->l_2[i] * t7));
+        const double t10 = d_1 * theta_dot[1].t[k] + theta_dot[1].v * t6 + (v_1_1 * theta_dot[2].t[k] + theta_dot[2].v * (t6 - g->l_2[i] * t8));
+        const double t11 = g->e_1[0][i] * t9 + g->e_t[0][i] * theta_dot[0].t[k] - g->e_x[0][i] * t10;
+        const double t12 = g->e_1[1][i] * t9 + g->e_t[1][i] * theta_dot[0].t[k] - g->e_x[1][i] * t10;
+        const double t13 = g->e_1[2][i] * t9 - g->e_x[2][i] * t10;
+        const double t14 = g->e_x[0][i] * t11 + g->e_x[1][i] * t12 + g->e_x[2][i] * t13;
+        const double t15 = g->e_1[0][i] * t11 + g->e_1[1][i] * t12 + g->e_1[2][i] * t13;
+        const double t16 = theta_dot[2].v * (t14 + g->l_2[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t8));
         const double t17 = h3 * theta_dot[1].t[k] + theta_dot[1].v * t14 + (h4 * theta_dot[2].t[k] + t16);
-        const double t18 = theta_dot[2].v * (t15 - g->l_2 * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t7));
+        const double t18 = theta_dot[2].v * (t15 - g->l_2[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t7));
         const double t19 = h5 * theta_dot[1].t[k] + theta_dot[1].v * t15 + (h6 * theta_dot[2].t[k] + t18);
         s_dot[0].t[k] = t11;
         s_dot[1].t[k] = t12;
         s_dot[2].t[k] = t13;
-        bias[0].t[k] = g->e_1[0] * t17 - g->e_x[0] * t19;
-        bias[1].t[k] = g->e_1[1] * t17 - g->e_x[1] * t19;
-        bias[2].t[k] = g->e_1[2] * t17 - g->e_x[2] * t19;
+        bias[0].t[k] = g->e_1[0][i] * t17 - g->e_x[0][i] * t19;
+        bias[1].t[k] = g->e_1[1][i] * t17 - g->e_x[1][i] * t19;
+        bias[2].t[k] = g->e_1[2][i] * t17 - g->e_x[2][i] * t19;
     }
 }
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 42
  * multiply, 1 divide) */
 static inline void krhpr_subleg_prr_parallel_rates_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
-    const double v_l_0 = g->e_x[0] * s_dot[0].v + g->e_x[1] * s_dot[1].v + g->e_x[2] * s_dot[2].v;
-    const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
-    const double v_l_2 = g->e_t[0] * s_dot[0].v + g->e_t[1] * s_dot[1].v;
+    const double v_l_0 = g->e_x[0][i] * s_dot[0].v + g->e_x[1][i] * s_dot[1].v + g->e_x[2][i] * s_dot[2].v;
+    const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
+    const double v_l_2 = g->e_t[0][i] * s_dot[0].v + g->e_t[1][i] * s_dot[1].v;
     const double h2 = v_1[0].v * v_l_0 + v_1[1].v * v_l_1;
     const double h1 = 1.0 / elbow;
     const double h3 = d[0].v * v_l_0 + d[1].v * v_l_1;
@@ -359,12 +363,12 @@ static inline void krhpr_subleg_prr_parallel_rates_tangent(
     theta_dot[2].v = -h1 * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
-        const double t2 = g->e_x[0] * s_dot[0].t[k] + g->e_x[1] * s_dot[1].t[k] + g->e_x[2] * s_dot[2].t[k];
-        const double t3 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t2 = g->e_x[0][i] * s_dot[0].t[k] + g->e_x[1][i] * s_dot[1].t[k] + g->e_x[2][i] * s_dot[2].t[k];
+        const double t3 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         const double t4 = h1 * (h1 * t1);
         const double t5 = h1 * (v_l_0 * v_1[0].t[k] + v_1[0].v * t2 + (v_l_1 * v_1[1].t[k] + v_1[1].v * t3));
         const double t6 = h3 * t4 - h1 * (v_l_0 * d[0].t[k] + d[0].v * t2 + (v_l_1 * d[1].t[k] + d[1].v * t3));
-        theta_dot[0].t[k] = g->e_t[0] * s_dot[0].t[k] + g->e_t[1] * s_dot[1].t[k];
+        theta_dot[0].t[k] = g->e_t[0][i] * s_dot[0].t[k] + g->e_t[1][i] * s_dot[1].t[k];
         theta_dot[1].t[k] = t5 - h2 * t4;
         theta_dot[2].t[k] = t6;
     }
@@ -373,84 +377,85 @@ static inline void krhpr_subleg_prr_parallel_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
 static inline void krhpr_subleg_prr_parallel_determinant_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
     det_M[0].v = elbow;
-    factors[0].v = elbow * g->k[5];
+    factors[0].v = elbow * g->k[5][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
         det_M[0].t[k] = t1;
-        factors[0].t[k] = g->k[5] * t1;
+        factors[0].t[k] = g->k[5][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (12 add, 28 multiply) */
 static inline void krhpr_subleg_prr_parallel_passive_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *v_1,
+    krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v_1[0].v * g->k[6];
-    const double dir_1 = v_1[1].v * g->k[6];
-    const double along_0 = g->e_x[0] * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = g->e_x[1] * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = g->e_x[2] * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - g->e_x[0] * dir_1;
-    const double across_1 = g->e_1[1] * dir_0 - g->e_x[1] * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - g->e_x[2] * dir_1;
+    const double dir_0 = v_1[0].v * g->k[6][i];
+    const double dir_1 = v_1[1].v * g->k[6][i];
+    const double along_0 = g->e_x[0][i] * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = g->e_x[1][i] * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = g->e_x[2][i] * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - g->e_x[0][i] * dir_1;
+    const double across_1 = g->e_1[1][i] * dir_0 - g->e_x[1][i] * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - g->e_x[2][i] * dir_1;
     link[0].v = along_0;
     link[1].v = across_0;
-    link[2].v = g->e_t[0];
+    link[2].v = g->e_t[0][i];
     link[3].v = along_1;
     link[4].v = across_1;
-    link[5].v = g->e_t[1];
+    link[5].v = g->e_t[1][i];
     link[6].v = along_2;
     link[7].v = across_2;
     link[8].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[6] * v_1[0].t[k];
-        const double t2 = g->k[6] * v_1[1].t[k];
-        link[0].t[k] = g->e_x[0] * t1 + g->e_1[0] * t2;
-        link[1].t[k] = g->e_1[0] * t1 - g->e_x[0] * t2;
+        const double t1 = g->k[6][i] * v_1[0].t[k];
+        const double t2 = g->k[6][i] * v_1[1].t[k];
+        link[0].t[k] = g->e_x[0][i] * t1 + g->e_1[0][i] * t2;
+        link[1].t[k] = g->e_1[0][i] * t1 - g->e_x[0][i] * t2;
         link[2].t[k] = 0.0;
-        link[3].t[k] = g->e_x[1] * t1 + g->e_1[1] * t2;
-        link[4].t[k] = g->e_1[1] * t1 - g->e_x[1] * t2;
+        link[3].t[k] = g->e_x[1][i] * t1 + g->e_1[1][i] * t2;
+        link[4].t[k] = g->e_1[1][i] * t1 - g->e_x[1][i] * t2;
         link[5].t[k] = 0.0;
-        link[6].t[k] = g->e_x[2] * t1 + g->e_1[2] * t2;
-        link[7].t[k] = g->e_1[2] * t1 - g->e_x[2] * t2;
+        link[6].t[k] = g->e_x[2][i] * t1 + g->e_1[2][i] * t2;
+        link[7].t[k] = g->e_1[2][i] * t1 - g->e_x[2][i] * t2;
         link[8].t[k] = 0.0;
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (28 add, 24 multiply) */
 static inline void krhpr_subleg_prr_parallel_points_tangent(
-    const krhpr_subleg_prr_parallel_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    const double origin_0 = s[0].v - g->e_x[0] * d[0].v - g->e_1[0] * d[1].v;
-    const double origin_1 = s[1].v - g->e_x[1] * d[0].v - g->e_1[1] * d[1].v;
-    const double origin_2 = s[2].v - g->e_x[2] * d[0].v - g->e_1[2] * d[1].v;
+    const double origin_0 = s[0].v - g->e_x[0][i] * d[0].v - g->e_1[0][i] * d[1].v;
+    const double origin_1 = s[1].v - g->e_x[1][i] * d[0].v - g->e_1[1][i] * d[1].v;
+    const double origin_2 = s[2].v - g->e_x[2][i] * d[0].v - g->e_1[2][i] * d[1].v;
     const double t1 = d[1].v - v_1[1].v;
     const double t2 = d[0].v - v_1[0].v;
-    points[0].v = g->k[7];
-    points[1].v = g->k[8];
-    points[2].v = g->k[9];
-    points[3].v = g->c[0];
-    points[4].v = g->c[1];
-    points[5].v = g->c[2];
+    points[0].v = g->k[7][i];
+    points[1].v = g->k[8][i];
+    points[2].v = g->k[9][i];
+    points[3].v = g->c[0][i];
+    points[4].v = g->c[1][i];
+    points[5].v = g->c[2][i];
     points[6].v = origin_0;
     points[7].v = origin_1;
     points[8].v = origin_2;
-    points[9].v = origin_0 + g->e_1[0] * t1 + g->e_x[0] * t2;
-    points[10].v = origin_1 + g->e_1[1] * t1 + g->e_x[1] * t2;
-    points[11].v = origin_2 + g->e_1[2] * t1 + g->e_x[2] * t2;
+    points[9].v = origin_0 + g->e_1[0][i] * t1 + g->e_x[0][i] * t2;
+    points[10].v = origin_1 + g->e_1[1][i] * t1 + g->e_x[1][i] * t2;
+    points[11].v = origin_2 + g->e_1[2][i] * t1 + g->e_x[2][i] * t2;
     points[12].v = s[0].v;
     points[13].v = s[1].v;
     points[14].v = s[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = s[0].t[k] - g->e_x[0] * d[0].t[k] - g->e_1[0] * d[1].t[k];
-        const double t4 = s[1].t[k] - g->e_x[1] * d[0].t[k] - g->e_1[1] * d[1].t[k];
-        const double t5 = s[2].t[k] - g->e_x[2] * d[0].t[k] - g->e_1[2] * d[1].t[k];
+        const double t3 = s[0].t[k] - g->e_x[0][i] * d[0].t[k] - g->e_1[0][i] * d[1].t[k];
+        const double t4 = s[1].t[k] - g->e_x[1][i] * d[0].t[k] - g->e_1[1][i] * d[1].t[k];
+        const double t5 = s[2].t[k] - g->e_x[2][i] * d[0].t[k] - g->e_1[2][i] * d[1].t[k];
         const double t6 = d[1].t[k] - v_1[1].t[k];
         const double t7 = d[0].t[k] - v_1[0].t[k];
         points[0].t[k] = 0.0;
@@ -462,9 +467,9 @@ static inline void krhpr_subleg_prr_parallel_points_tangent(
         points[6].t[k] = t3;
         points[7].t[k] = t4;
         points[8].t[k] = t5;
-        points[9].t[k] = t3 + g->e_1[0] * t6 + g->e_x[0] * t7;
-        points[10].t[k] = t4 + g->e_1[1] * t6 + g->e_x[1] * t7;
-        points[11].t[k] = t5 + g->e_1[2] * t6 + g->e_x[2] * t7;
+        points[9].t[k] = t3 + g->e_1[0][i] * t6 + g->e_x[0][i] * t7;
+        points[10].t[k] = t4 + g->e_1[1][i] * t6 + g->e_x[1][i] * t7;
+        points[11].t[k] = t5 + g->e_1[2][i] * t6 + g->e_x[2][i] * t7;
         points[12].t[k] = s[0].t[k];
         points[13].t[k] = s[1].t[k];
         points[14].t[k] = s[2].t[k];

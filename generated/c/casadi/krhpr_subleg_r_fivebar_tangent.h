@@ -13,59 +13,61 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (46 add, 74
  * multiply, 2 divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_forward_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double f_0 = u_1_0 - u_2_0;
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0;
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
     const double h7 = 1.0 / t1;
-    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
+    s[0].v = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1].v = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2].v = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t3 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t4 = g->l_2 * (h3 * theta[2].t[k]) - t2;
-        const double t5 = t3 - g->l_2 * (h4 * theta[2].t[k]);
+        const double t2 = g->l_4[i] * (h1 * theta[1].t[k]);
+        const double t3 = g->l_4[i] * (h2 * theta[1].t[k]);
+        const double t4 = g->l_2[i] * (h3 * theta[2].t[k]) - t2;
+        const double t5 = t3 - g->l_2[i] * (h4 * theta[2].t[k]);
         const double t6 = f_0 * t4;
         const double t7 = f_1 * t5;
         const double t8 = t6 + t6 + (t7 + t7);
         const double t9 = h5 * (h5 * t8);
         const double t10 = h5 * (0.5 * t8) - h6 * t9;
         const double t11 = along * t10;
-        const double t12 = g->k[0] * t9 + (t11 + t11);
+        const double t12 = g->k[0][i] * t9 + (t11 + t11);
         const double t13 = assembly[0] * (h7 * (0.5 * t12));
-        const double t14 = g->k[2] * (along * t4 + f_0 * t10 - (across * t5 - f_1 * t13) - t4) - t2;
-        const double t15 = t3 + g->k[2] * (across * t4 - f_0 * t13 + (along * t5 + f_1 * t10) - t5);
+        const double t14 = g->k[2][i] * (along * t4 + f_0 * t10 - (across * t5 - f_1 * t13) - t4) - t2;
+        const double t15 = t3 + g->k[2][i] * (across * t4 - f_0 * t13 + (along * t5 + f_1 * t10) - t5);
         const double t16 = sin_1 * theta[0].t[k];
         const double t17 = cos_1 * theta[0].t[k];
-        s[0].t[k] = x_0 * t14 - d_0 * (g->e_x[0] * t16 + g->e_t[0] * t17) + g->e_1[0] * t15;
-        s[1].t[k] = x_1 * t14 - d_0 * (g->e_x[1] * t16 + g->e_t[1] * t17) + g->e_1[1] * t15;
-        s[2].t[k] = x_2 * t14 - d_0 * (g->e_x[2] * t16) + g->e_1[2] * t15;
+        const double t18 = x_0 * t14 - d_0 * (g->e_x[0][i] * t16 + g->e_t[0][i] * t17) + g->e_1[0][i] * t15;
+        const double t19 = x_1 * t14 - d_0 * (g->e_x[1][i] * t16 + g->e_t[1][i] * t17) + g->e_1[1][i] * t15;
+        s[0].t[k] = t18;
+        s[1].t[k] = t19;
+        s[2].t[k] = x_2 * t14 - d_0 * (g->e_x[2][i] * t16) + g->e_1[2][i] * t15;
         radicand[0].t[k] = -t12;
     }
 }
@@ -73,46 +75,46 @@ static inline void krhpr_subleg_r_fivebar_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (50
  * add, 84 multiply, 2 divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *theta, const double *assembly,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double f_0 = u_1_0 - u_2_0;
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double t1 = sqrt(h2_a);
     const double across = assembly[0] * t1;
     const double meeting_0 = f_0 * along - f_1 * across;
     const double meeting_1 = f_0 * across + f_1 * along;
     const double w_0 = meeting_0 - f_0;
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
     const double h7 = 1.0 / t1;
-    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
+    s[0].v = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1].v = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2].v = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
-    e_2[0].v = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1].v = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2].v = g->e_x[2] * sin_1;
+    e_2[0].v = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    e_2[1].v = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    e_2[2].v = g->e_x[2][i] * sin_1;
     d[0].v = d_0;
     d[1].v = d_1;
     u_1[0].v = u_1_0;
@@ -121,10 +123,10 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
     u_2[1].v = u_2_1;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t3 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t4 = g->l_2 * (h3 * theta[2].t[k]);
-        const double t5 = g->l_2 * (h4 * theta[2].t[k]);
+        const double t2 = g->l_4[i] * (h1 * theta[1].t[k]);
+        const double t3 = g->l_4[i] * (h2 * theta[1].t[k]);
+        const double t4 = g->l_2[i] * (h3 * theta[2].t[k]);
+        const double t5 = g->l_2[i] * (h4 * theta[2].t[k]);
         const double t6 = t4 - t2;
         const double t7 = t3 - t5;
         const double t8 = f_0 * t6;
@@ -133,24 +135,24 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
         const double t11 = h5 * (h5 * t10);
         const double t12 = h5 * (0.5 * t10) - h6 * t11;
         const double t13 = along * t12;
-        const double t14 = g->k[0] * t11 + (t13 + t13);
+        const double t14 = g->k[0][i] * t11 + (t13 + t13);
         const double t15 = assembly[0] * (h7 * (0.5 * t14));
-        const double t16 = g->k[2] * (along * t6 + f_0 * t12 - (across * t7 - f_1 * t15) - t6) - t2;
-        const double t17 = t3 + g->k[2] * (across * t6 - f_0 * t15 + (along * t7 + f_1 * t12) - t7);
+        const double t16 = g->k[2][i] * (along * t6 + f_0 * t12 - (across * t7 - f_1 * t15) - t6) - t2;
+        const double t17 = t3 + g->k[2][i] * (across * t6 - f_0 * t15 + (along * t7 + f_1 * t12) - t7);
         const double t18 = sin_1 * theta[0].t[k];
         const double t19 = cos_1 * theta[0].t[k];
-        const double t20 = g->e_x[0] * t18 + g->e_t[0] * t19;
-        const double t21 = g->e_x[1] * t18 + g->e_t[1] * t19;
-        const double t22 = g->e_x[2] * t18;
-        s[0].t[k] = x_0 * t16 - d_0 * t20 + g->e_1[0] * t17;
-        s[1].t[k] = x_1 * t16 - d_0 * t21 + g->e_1[1] * t17;
-        s[2].t[k] = x_2 * t16 - d_0 * t22 + g->e_1[2] * t17;
+        const double t20 = g->e_x[0][i] * t18 + g->e_t[0][i] * t19;
+        const double t21 = g->e_x[1][i] * t18 + g->e_t[1][i] * t19;
+        const double t22 = g->e_x[2][i] * t18;
+        s[0].t[k] = x_0 * t16 - d_0 * t20 + g->e_1[0][i] * t17;
+        s[1].t[k] = x_1 * t16 - d_0 * t21 + g->e_1[1][i] * t17;
+        s[2].t[k] = x_2 * t16 - d_0 * t22 + g->e_1[2][i] * t17;
         x[0].t[k] = -t20;
         x[1].t[k] = -t21;
         x[2].t[k] = -t22;
-        e_2[0].t[k] = g->e_x[0] * t19 - g->e_t[0] * t18;
-        e_2[1].t[k] = g->e_x[1] * t19 - g->e_t[1] * t18;
-        e_2[2].t[k] = g->e_x[2] * t19;
+        e_2[0].t[k] = g->e_x[0][i] * t19 - g->e_t[0][i] * t18;
+        e_2[1].t[k] = g->e_x[1][i] * t19 - g->e_t[1][i] * t18;
+        e_2[2].t[k] = g->e_x[2][i] * t19;
         d[0].t[k] = t16;
         d[1].t[k] = t17;
         u_1[0].t[k] = -t2;
@@ -164,22 +166,22 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (70 add,
  * 91 multiply, 2 divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_forward_all_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double f_0 = u_1_0 - u_2_0;
     const double f_1 = u_1_1 - u_2_1;
     const double d2 = f_0 * f_0 + f_1 * f_1;
-    const double h6 = 0.5 * (d2 + g->k[0] - g->k[1]);
+    const double h6 = 0.5 * (d2 + g->k[0][i] - g->k[1][i]);
     const double h5 = 1.0 / d2;
     const double along = h6 * h5;
-    const double h2_a = g->k[0] * h5 - along * along;
+    const double h2_a = g->k[0][i] * h5 - along * along;
     const double across = sqrt(h2_a);
     const double t1 = f_0 * along;
     const double t2 = f_1 * across;
@@ -189,58 +191,58 @@ static inline void krhpr_subleg_r_fivebar_forward_all_tangent(
     const double meeting_1 = t3 + t4;
     const double w_0 = meeting_0 - f_0;
     const double w_1 = meeting_1 - f_1;
-    const double d_0 = u_1_0 + w_0 * g->k[2];
-    const double d_1 = u_1_1 + w_1 * g->k[2];
+    const double d_0 = u_1_0 + w_0 * g->k[2][i];
+    const double d_1 = u_1_1 + w_1 * g->k[2][i];
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
     const double meeting_0_a = t1 + t2;
     const double meeting_1_a = t4 - t3;
     const double w_0_a = meeting_0_a - f_0;
     const double w_1_a = meeting_1_a - f_1;
-    const double d_0_a = u_1_0 + g->k[2] * w_0_a;
-    const double d_1_a = u_1_1 + g->k[2] * w_1_a;
+    const double d_0_a = u_1_0 + g->k[2][i] * w_0_a;
+    const double d_1_a = u_1_1 + g->k[2][i] * w_1_a;
     const double h7 = 1.0 / across;
-    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
-    s[3].v = g->c[0] + x_0 * d_0_a + g->e_1[0] * d_1_a;
-    s[4].v = g->c[1] + x_1 * d_0_a + g->e_1[1] * d_1_a;
-    s[5].v = g->c[2] + x_2 * d_0_a + g->e_1[2] * d_1_a;
+    s[0].v = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1].v = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2].v = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
+    s[3].v = g->c[0][i] + x_0 * d_0_a + g->e_1[0][i] * d_1_a;
+    s[4].v = g->c[1][i] + x_1 * d_0_a + g->e_1[1][i] * d_1_a;
+    s[5].v = g->c[2][i] + x_2 * d_0_a + g->e_1[2][i] * d_1_a;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = g->l_4 * (h1 * theta[1].t[k]);
-        const double t6 = g->l_4 * (h2 * theta[1].t[k]);
-        const double t7 = g->l_2 * (h3 * theta[2].t[k]) - t5;
-        const double t8 = t6 - g->l_2 * (h4 * theta[2].t[k]);
+        const double t5 = g->l_4[i] * (h1 * theta[1].t[k]);
+        const double t6 = g->l_4[i] * (h2 * theta[1].t[k]);
+        const double t7 = g->l_2[i] * (h3 * theta[2].t[k]) - t5;
+        const double t8 = t6 - g->l_2[i] * (h4 * theta[2].t[k]);
         const double t9 = f_0 * t7;
         const double t10 = f_1 * t8;
         const double t11 = t9 + t9 + (t10 + t10);
         const double t12 = h5 * (h5 * t11);
         const double t13 = h5 * (0.5 * t11) - h6 * t12;
         const double t14 = along * t13;
-        const double t15 = g->k[0] * t12 + (t14 + t14);
+        const double t15 = g->k[0][i] * t12 + (t14 + t14);
         const double t16 = h7 * (0.5 * t15);
         const double t17 = along * t7 + f_0 * t13;
         const double t18 = across * t8 - f_1 * t16;
         const double t19 = across * t7 - f_0 * t16;
         const double t20 = along * t8 + f_1 * t13;
-        const double t21 = g->k[2] * (t17 - t18 - t7) - t5;
-        const double t22 = t6 + g->k[2] * (t19 + t20 - t8);
+        const double t21 = g->k[2][i] * (t17 - t18 - t7) - t5;
+        const double t22 = t6 + g->k[2][i] * (t19 + t20 - t8);
         const double t23 = sin_1 * theta[0].t[k];
         const double t24 = cos_1 * theta[0].t[k];
-        const double t25 = g->e_x[0] * t23 + g->e_t[0] * t24;
-        const double t26 = g->e_x[1] * t23 + g->e_t[1] * t24;
-        const double t27 = g->e_x[2] * t23;
-        const double t28 = g->k[2] * (t17 + t18 - t7) - t5;
-        const double t29 = t6 + g->k[2] * (t20 - t19 - t8);
-        s[0].t[k] = x_0 * t21 - d_0 * t25 + g->e_1[0] * t22;
-        s[1].t[k] = x_1 * t21 - d_0 * t26 + g->e_1[1] * t22;
-        s[2].t[k] = x_2 * t21 - d_0 * t27 + g->e_1[2] * t22;
-        s[3].t[k] = x_0 * t28 - d_0_a * t25 + g->e_1[0] * t29;
-        s[4].t[k] = x_1 * t28 - d_0_a * t26 + g->e_1[1] * t29;
-        s[5].t[k] = x_2 * t28 - d_0_a * t27 + g->e_1[2] * t29;
+        const double t25 = g->e_x[0][i] * t23 + g->e_t[0][i] * t24;
+        const double t26 = g->e_x[1][i] * t23 + g->e_t[1][i] * t24;
+        const double t27 = g->e_x[2][i] * t23;
+        const double t28 = g->k[2][i] * (t17 + t18 - t7) - t5;
+        const double t29 = t6 + g->k[2][i] * (t20 - t19 - t8);
+        s[0].t[k] = x_0 * t21 - d_0 * t25 + g->e_1[0][i] * t22;
+        s[1].t[k] = x_1 * t21 - d_0 * t26 + g->e_1[1][i] * t22;
+        s[2].t[k] = x_2 * t21 - d_0 * t27 + g->e_1[2][i] * t22;
+        s[3].t[k] = x_0 * t28 - d_0_a * t25 + g->e_1[0][i] * t29;
+        s[4].t[k] = x_1 * t28 - d_0_a * t26 + g->e_1[1][i] * t29;
+        s[5].t[k] = x_2 * t28 - d_0_a * t27 + g->e_1[2][i] * t29;
         radicand[0].t[k] = -t15;
     }
 }
@@ -248,26 +250,26 @@ static inline void krhpr_subleg_r_fivebar_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (67 add,
  * 105 multiply, 7 divide, 3 square root, 3 arctangent) */
 static inline void krhpr_subleg_r_fivebar_inverse_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double d_0 = s[0].v - g->c[0];
-    const double d_1 = s[1].v - g->c[1];
-    const double d_2 = s[2].v - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0].v - g->c[0][i];
+    const double d_1 = s[1].v - g->c[1][i];
+    const double d_2 = s[2].v - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double t1 = sqrt(d_t * d_t + d_x * d_x);
     const double r = mode[0] * t1;
     const double h3 = mode[0] * d_t;
     const double h2 = mode[0] * d_x;
     const double d2 = r * r + y * y;
-    const double h6 = d2 - g->k[3];
-    const double h5 = g->k[4] - d2;
+    const double h6 = d2 - g->k[3][i];
+    const double h5 = g->k[4][i] - d2;
     const double h2_a = h6 * h5;
     const double t2 = sqrt(h2_a);
     const double S = mode[1] * t2;
-    const double A = d2 + g->k[5] - g->k[6];
+    const double A = d2 + g->k[5][i] - g->k[6][i];
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double h10 = n * 0.5;
@@ -275,15 +277,15 @@ static inline void krhpr_subleg_r_fivebar_inverse_tangent(
     const double u_1_0 = h10 * h9;
     const double h11 = m * 0.5;
     const double u_1_1 = h9 * h11;
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0);
-    const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0);
+    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h13 = d2_2 - g->k[8];
-    const double h12 = g->k[9] - d2_2;
+    const double h13 = d2_2 - g->k[8][i];
+    const double h12 = g->k[9][i] - d2_2;
     const double h2_2 = h13 * h12;
     const double t3 = sqrt(h2_2);
     const double S_2 = mode[2] * t3;
-    const double A_2 = d2_2 + g->k[10] - g->k[0];
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h1 = 1.0 / t1;
@@ -296,9 +298,9 @@ static inline void krhpr_subleg_r_fivebar_inverse_tangent(
     theta[1].v = krhpr_atan2(m, n);
     theta[2].v = krhpr_atan2(m_2, n_2);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t5 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
-        const double t6 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t4 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t5 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
+        const double t6 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t7 = d_t * t5;
         const double t8 = d_x * t4;
         const double t9 = mode[0] * (h1 * (0.5 * (t7 + t7 + (t8 + t8))));
@@ -311,8 +313,8 @@ static inline void krhpr_subleg_r_fivebar_inverse_tangent(
         const double t16 = h9 * (h9 * t12);
         const double t17 = h9 * (0.5 * t14) - h10 * t16;
         const double t18 = h9 * (0.5 * t15) - h11 * t16;
-        const double t19 = t17 + g->k[7] * (t9 - t17);
-        const double t20 = t18 + g->k[7] * (t6 - t18);
+        const double t19 = t17 + g->k[7][i] * (t9 - t17);
+        const double t20 = t18 + g->k[7][i] * (t6 - t18);
         const double t21 = p_0 * t19;
         const double t22 = p_1 * t20;
         const double t23 = t21 + t21 + (t22 + t22);
@@ -327,23 +329,23 @@ static inline void krhpr_subleg_r_fivebar_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (175
  * add, 220 multiply, 19 divide, 6 square root, 14 arctangent) */
 static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double d_0 = s[0].v - g->c[0];
-    const double d_1 = s[1].v - g->c[1];
-    const double d_2 = s[2].v - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0].v - g->c[0][i];
+    const double d_1 = s[1].v - g->c[1][i];
+    const double d_2 = s[2].v - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double t1 = d_t * d_t + d_x * d_x;
     const double r = sqrt(t1);
     const double theta_0 = krhpr_atan2(-d_t, d_x);
     const double d2 = r * r + y * y;
-    const double h4 = d2 - g->k[3];
-    const double h3 = g->k[4] - d2;
+    const double h4 = d2 - g->k[3][i];
+    const double h3 = g->k[4][i] - d2;
     const double h2 = h4 * h3;
     const double S = sqrt(h2);
-    const double A = d2 + g->k[5] - g->k[6];
+    const double A = d2 + g->k[5][i] - g->k[6][i];
     const double t2 = r * A;
     const double t3 = y * S;
     const double n = t2 + t3;
@@ -356,15 +358,15 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double u_1_0 = h8 * h7;
     const double h9 = m * 0.5;
     const double u_1_1 = h7 * h9;
-    const double p_0 = u_1_0 + g->k[7] * (r - u_1_0);
-    const double p_1 = u_1_1 + g->k[7] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0);
+    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
     const double t6 = p_1 * p_1;
     const double d2_2 = p_0 * p_0 + t6;
-    const double h11 = d2_2 - g->k[8];
-    const double h10 = g->k[9] - d2_2;
+    const double h11 = d2_2 - g->k[8][i];
+    const double h10 = g->k[9][i] - d2_2;
     const double h2_2 = h11 * h10;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[10] - g->k[0];
+    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
     const double t7 = p_0 * A_2;
     const double t8 = p_1 * S_2;
     const double n_2 = t7 + t8;
@@ -380,15 +382,15 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double u_1_0_a = h7 * h16;
     const double h17 = 0.5 * m_a;
     const double u_1_1_a = h7 * h17;
-    const double p_0_a = u_1_0_a + g->k[7] * (r - u_1_0_a);
-    const double p_1_a = u_1_1_a + g->k[7] * (y - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[7][i] * (r - u_1_0_a);
+    const double p_1_a = u_1_1_a + g->k[7][i] * (y - u_1_1_a);
     const double t11 = p_1_a * p_1_a;
     const double d2_2_a = p_0_a * p_0_a + t11;
-    const double h19 = d2_2_a - g->k[8];
-    const double h18 = g->k[9] - d2_2_a;
+    const double h19 = d2_2_a - g->k[8][i];
+    const double h18 = g->k[9][i] - d2_2_a;
     const double h2_2_a = h19 * h18;
     const double S_2_a = sqrt(h2_2_a);
-    const double A_2_a = g->k[10] + d2_2_a - g->k[0];
+    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i];
     const double t12 = p_0_a * A_2_a;
     const double t13 = p_1_a * S_2_a;
     const double n_2_b = t12 + t13;
@@ -402,13 +404,13 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double theta_1_b = krhpr_atan2(m_a, n_b);
     const double h24 = 0.5 * n_b;
     const double u_1_0_b = h7 * h24;
-    const double p_0_b = u_1_0_b - g->k[7] * (r + u_1_0_b);
+    const double p_0_b = u_1_0_b - g->k[7][i] * (r + u_1_0_b);
     const double d2_2_b = t11 + p_0_b * p_0_b;
-    const double h26 = d2_2_b - g->k[8];
-    const double h25 = g->k[9] - d2_2_b;
+    const double h26 = d2_2_b - g->k[8][i];
+    const double h25 = g->k[9][i] - d2_2_b;
     const double h2_2_b = h26 * h25;
     const double S_2_b = sqrt(h2_2_b);
-    const double A_2_b = g->k[10] + d2_2_b - g->k[0];
+    const double A_2_b = g->k[10][i] + d2_2_b - g->k[0][i];
     const double t16 = p_0_b * A_2_b;
     const double t17 = p_1_a * S_2_b;
     const double n_2_d = t16 + t17;
@@ -419,13 +421,13 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double m_2_e = t18 + t19;
     const double n_c = -n;
     const double theta_1_c = krhpr_atan2(m, n_c);
-    const double p_0_c = g->k[7] * (u_1_0 - r) - u_1_0;
+    const double p_0_c = g->k[7][i] * (u_1_0 - r) - u_1_0;
     const double d2_2_c = t6 + p_0_c * p_0_c;
-    const double h31 = d2_2_c - g->k[8];
-    const double h30 = g->k[9] - d2_2_c;
+    const double h31 = d2_2_c - g->k[8][i];
+    const double h30 = g->k[9][i] - d2_2_c;
     const double h2_2_c = h31 * h30;
     const double S_2_c = sqrt(h2_2_c);
-    const double A_2_c = g->k[10] + d2_2_c - g->k[0];
+    const double A_2_c = g->k[10][i] + d2_2_c - g->k[0][i];
     const double t20 = p_0_c * A_2_c;
     const double t21 = p_1 * S_2_c;
     const double n_2_f = t20 + t21;
@@ -478,9 +480,9 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
     theta[22].v = theta_1_c;
     theta[23].v = krhpr_atan2(m_2_g, n_2_g);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t25 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t26 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
-        const double t27 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t25 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t26 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
+        const double t27 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t28 = d_t * t26;
         const double t29 = d_x * t25;
         const double t30 = h1 * (0.5 * (t28 + t28 + (t29 + t29)));
@@ -501,8 +503,8 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t45 = h7 * (h7 * t34);
         const double t46 = h7 * (0.5 * t38) - h8 * t45;
         const double t47 = h7 * (0.5 * t41) - h9 * t45;
-        const double t48 = t46 + g->k[7] * (t30 - t46);
-        const double t49 = t47 + g->k[7] * (t27 - t47);
+        const double t48 = t46 + g->k[7][i] * (t30 - t46);
+        const double t49 = t47 + g->k[7][i] * (t27 - t47);
         const double t50 = p_0 * t48;
         const double t51 = p_1 * t49;
         const double t52 = t51 + t51;
@@ -517,8 +519,8 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t61 = h15 * (n_a * t60 - m_a * t59);
         const double t62 = h7 * (0.5 * t59) - h16 * t45;
         const double t63 = h7 * (0.5 * t60) - h17 * t45;
-        const double t64 = t62 + g->k[7] * (t30 - t62);
-        const double t65 = t63 + g->k[7] * (t27 - t63);
+        const double t64 = t62 + g->k[7][i] * (t30 - t62);
+        const double t65 = t63 + g->k[7][i] * (t27 - t63);
         const double t66 = p_0_a * t64;
         const double t67 = p_1_a * t65;
         const double t68 = t67 + t67;
@@ -531,7 +533,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t75 = t37 - t36;
         const double t76 = h23 * (n_b * t60 - m_a * t75);
         const double t77 = h7 * (0.5 * t75) - h24 * t45;
-        const double t78 = t77 - g->k[7] * (t30 + t77);
+        const double t78 = t77 - g->k[7][i] * (t30 + t77);
         const double t79 = p_0_b * t78;
         const double t80 = t68 + (t79 + t79);
         const double t81 = h27 * (0.5 * (h25 * t80 - h26 * t80));
@@ -540,7 +542,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t84 = A_2_b * t65 + p_1_a * t80;
         const double t85 = S_2_b * t78 + p_0_b * t81;
         const double t86 = h6 * (t43 - t42);
-        const double t87 = g->k[7] * (t46 - t30) - t46;
+        const double t87 = g->k[7][i] * (t46 - t30) - t46;
         const double t88 = p_0_c * t87;
         const double t89 = t52 + (t88 + t88);
         const double t90 = h32 * (0.5 * (h30 * t89 - h31 * t89));
@@ -578,71 +580,71 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (22 add, 49 multiply, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_posture_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
-    e_2[0].v = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1].v = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2].v = g->e_x[2] * sin_1;
+    e_2[0].v = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    e_2[1].v = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    e_2[2].v = g->e_x[2][i] * sin_1;
     d[0].v = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    d[1].v = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    u_1[0].v = g->l_4 * h2;
-    u_1[1].v = g->l_4 * h1;
-    u_2[0].v = g->l_2 * h4;
-    u_2[1].v = g->l_2 * h3;
+    d[1].v = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    u_1[0].v = g->l_4[i] * h2;
+    u_1[1].v = g->l_4[i] * h1;
+    u_2[0].v = g->l_2[i] * h4;
+    u_2[1].v = g->l_2[i] * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = sin_1 * theta[0].t[k];
         const double t2 = cos_1 * theta[0].t[k];
-        const double t3 = g->e_x[0] * t1 + g->e_t[0] * t2;
-        const double t4 = g->e_x[1] * t1 + g->e_t[1] * t2;
-        const double t5 = g->e_x[2] * t1;
+        const double t3 = g->e_x[0][i] * t1 + g->e_t[0][i] * t2;
+        const double t4 = g->e_x[1][i] * t1 + g->e_t[1][i] * t2;
+        const double t5 = g->e_x[2][i] * t1;
         const double t6 = x_0 * s[0].t[k] - arm_0 * t3 + (x_1 * s[1].t[k] - arm_1 * t4) + (x_2 * s[2].t[k] - arm_2 * t5);
         x[0].t[k] = -t3;
         x[1].t[k] = -t4;
         x[2].t[k] = -t5;
-        e_2[0].t[k] = g->e_x[0] * t2 - g->e_t[0] * t1;
-        e_2[1].t[k] = g->e_x[1] * t2 - g->e_t[1] * t1;
-        e_2[2].t[k] = g->e_x[2] * t2;
+        e_2[0].t[k] = g->e_x[0][i] * t2 - g->e_t[0][i] * t1;
+        e_2[1].t[k] = g->e_x[1][i] * t2 - g->e_t[1][i] * t1;
+        e_2[2].t[k] = g->e_x[2][i] * t2;
         d[0].t[k] = t6;
-        d[1].t[k] = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
-        u_1[0].t[k] = -g->l_4 * (h1 * theta[1].t[k]);
-        u_1[1].t[k] = g->l_4 * (h2 * theta[1].t[k]);
-        u_2[0].t[k] = -g->l_2 * (h3 * theta[2].t[k]);
-        u_2[1].t[k] = g->l_2 * (h4 * theta[2].t[k]);
+        d[1].t[k] = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        u_1[0].t[k] = -g->l_4[i] * (h1 * theta[1].t[k]);
+        u_1[1].t[k] = g->l_4[i] * (h2 * theta[1].t[k]);
+        u_2[0].t[k] = -g->l_2[i] * (h3 * theta[2].t[k]);
+        u_2[1].t[k] = g->l_2[i] * (h4 * theta[2].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (65 add, 103 multiply, 1 divide) */
 static inline void krhpr_subleg_r_fivebar_jacobian_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7];
+    const double h2 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7];
+    const double h3 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7] * b_22;
+    const double h1 = g->k[7][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -654,61 +656,61 @@ static inline void krhpr_subleg_r_fivebar_jacobian_tangent(
     const double h9 = v_1_0 * b_33;
     const double m_12 = h4 * h9;
     M[0].v = -e_2[0].v * d[0].v;
-    M[1].v = g->e_1[0] * m_11 + x[0].v * m_01;
-    M[2].v = g->e_1[0] * m_12 + x[0].v * m_02;
+    M[1].v = g->e_1[0][i] * m_11 + x[0].v * m_01;
+    M[2].v = g->e_1[0][i] * m_12 + x[0].v * m_02;
     M[3].v = -e_2[1].v * d[0].v;
-    M[4].v = g->e_1[1] * m_11 + x[1].v * m_01;
-    M[5].v = g->e_1[1] * m_12 + x[1].v * m_02;
+    M[4].v = g->e_1[1][i] * m_11 + x[1].v * m_01;
+    M[5].v = g->e_1[1][i] * m_12 + x[1].v * m_02;
     M[6].v = -e_2[2].v * d[0].v;
-    M[7].v = g->e_1[2] * m_11 + x[2].v * m_01;
-    M[8].v = g->e_1[2] * m_12 + x[2].v * m_02;
+    M[7].v = g->e_1[2][i] * m_11 + x[2].v * m_01;
+    M[8].v = g->e_1[2][i] * m_12 + x[2].v * m_02;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7] * t3;
+        const double t5 = g->k[7][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7] * t4;
+        const double t7 = g->k[7][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
         const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
         const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
         M[0].t[k] = -(d[0].v * e_2[0].t[k] + e_2[0].v * d[0].t[k]);
-        M[1].t[k] = g->e_1[0] * t16 + (m_01 * x[0].t[k] + x[0].v * t14);
-        M[2].t[k] = g->e_1[0] * t17 + (m_02 * x[0].t[k] + x[0].v * t15);
+        M[1].t[k] = g->e_1[0][i] * t16 + (m_01 * x[0].t[k] + x[0].v * t14);
+        M[2].t[k] = g->e_1[0][i] * t17 + (m_02 * x[0].t[k] + x[0].v * t15);
         M[3].t[k] = -(d[0].v * e_2[1].t[k] + e_2[1].v * d[0].t[k]);
-        M[4].t[k] = g->e_1[1] * t16 + (m_01 * x[1].t[k] + x[1].v * t14);
-        M[5].t[k] = g->e_1[1] * t17 + (m_02 * x[1].t[k] + x[1].v * t15);
+        M[4].t[k] = g->e_1[1][i] * t16 + (m_01 * x[1].t[k] + x[1].v * t14);
+        M[5].t[k] = g->e_1[1][i] * t17 + (m_02 * x[1].t[k] + x[1].v * t15);
         M[6].t[k] = -(d[0].v * e_2[2].t[k] + e_2[2].v * d[0].t[k]);
-        M[7].t[k] = g->e_1[2] * t16 + (m_01 * x[2].t[k] + x[2].v * t14);
-        M[8].t[k] = g->e_1[2] * t17 + (m_02 * x[2].t[k] + x[2].v * t15);
+        M[7].t[k] = g->e_1[2][i] * t16 + (m_01 * x[2].t[k] + x[2].v * t14);
+        M[8].t[k] = g->e_1[2][i] * t17 + (m_02 * x[2].t[k] + x[2].v * t15);
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (98 add, 142 multiply, 1 divide) */
 static inline void krhpr_subleg_r_fivebar_project_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
     krhpr_dual *KRHPR_RESTRICT K)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7];
+    const double h2 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7];
+    const double h3 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7] * b_22;
+    const double h1 = g->k[7][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -720,10 +722,10 @@ static inline void krhpr_subleg_r_fivebar_project_tangent(
     const double h9 = v_1_0 * b_33;
     const double m_12 = h4 * h9;
     const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
-    const double n_01 = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v + g->e_1[2] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
     const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
     const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
-    const double n_11 = g->e_1[0] * N[3].v + g->e_1[1] * N[4].v + g->e_1[2] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
     const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
     K[0].v = -d[0].v * n_02;
     K[1].v = m_01 * n_00 + m_11 * n_01;
@@ -734,14 +736,14 @@ static inline void krhpr_subleg_r_fivebar_project_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7] * t3;
+        const double t5 = g->k[7][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7] * t4;
+        const double t7 = g->k[7][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -749,11 +751,11 @@ static inline void krhpr_subleg_r_fivebar_project_tangent(
         const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
         const double t18 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
         const double t19 = t18 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
-        const double t20 = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k] + g->e_1[2] * N[2].t[k];
+        const double t20 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
         const double t21 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
         const double t22 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
         const double t23 = t22 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
-        const double t24 = g->e_1[0] * N[3].t[k] + g->e_1[1] * N[4].t[k] + g->e_1[2] * N[5].t[k];
+        const double t24 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
         const double t25 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
         const double t26 = n_02 * d[0].t[k] + d[0].v * (t21 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
         const double t27 = n_12 * d[0].t[k] + d[0].v * (t25 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
@@ -769,51 +771,51 @@ static inline void krhpr_subleg_r_fivebar_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (62 add,
  * 90 multiply, 1 divide) */
 static inline void krhpr_subleg_r_fivebar_velocity_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7];
+    const double h2 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7];
+    const double h3 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double h8 = d[0].v * theta_dot[0].v;
     const double w_1 = b_22 * theta_dot[1].v;
     const double w_2 = b_32 * theta_dot[1].v + b_33 * theta_dot[2].v;
-    const double h1 = g->k[7] * v_2_1;
+    const double h1 = g->k[7][i] * v_2_1;
     const double h5 = w_1 * h1 - v_1_1 * w_2;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double v_l_0 = h5 * h4;
-    const double h6 = g->k[7] * v_2_0;
+    const double h6 = g->k[7][i] * v_2_0;
     const double h7 = v_1_0 * w_2 - w_1 * h6;
     const double v_l_1 = h4 * h7;
-    s_dot[0].v = g->e_1[0] * v_l_1 - e_2[0].v * h8 + x[0].v * v_l_0;
-    s_dot[1].v = g->e_1[1] * v_l_1 - e_2[1].v * h8 + x[1].v * v_l_0;
-    s_dot[2].v = g->e_1[2] * v_l_1 - e_2[2].v * h8 + x[2].v * v_l_0;
+    s_dot[0].v = g->e_1[0][i] * v_l_1 - e_2[0].v * h8 + x[0].v * v_l_0;
+    s_dot[1].v = g->e_1[1][i] * v_l_1 - e_2[1].v * h8 + x[1].v * v_l_0;
+    s_dot[2].v = g->e_1[2][i] * v_l_1 - e_2[2].v * h8 + x[2].v * v_l_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = g->k[7] * t1;
+        const double t3 = g->k[7][i] * t1;
         const double t4 = u_1[0].t[k] + t3 - u_2[0].t[k];
-        const double t5 = g->k[7] * t2;
+        const double t5 = g->k[7][i] * t2;
         const double t6 = u_1[1].t[k] + t5 - u_2[1].t[k];
-        const double t7 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
+        const double t7 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
         const double t8 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
         const double t9 = theta_dot[1].v * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t10 = t9 + b_22 * theta_dot[1].t[k];
         const double t11 = theta_dot[2].v * (v_2_1 * u_2[0].t[k] + u_2[0].v * t6 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4));
         const double t12 = theta_dot[1].v * t7 + b_32 * theta_dot[1].t[k] + (t11 + b_33 * theta_dot[2].t[k]);
         const double t13 = h4 * (h4 * (v_2_1 * t3 + h2 * t6 - (h3 * t4 + v_2_0 * t5)));
-        const double t14 = h4 * (h1 * t10 + w_1 * (g->k[7] * t6) - (w_2 * t2 + v_1_1 * t12)) - h5 * t13;
-        const double t15 = h4 * (w_2 * t1 + v_1_0 * t12 - (h6 * t10 + w_1 * (g->k[7] * t4))) - h7 * t13;
-        const double t16 = g->e_1[0] * t15 - (h8 * e_2[0].t[k] + e_2[0].v * t8) + (v_l_0 * x[0].t[k] + x[0].v * t14);
-        const double t17 = g->e_1[1] * t15 - (h8 * e_2[1].t[k] + e_2[1].v * t8) + (v_l_0 * x[1].t[k] + x[1].v * t14);
-        const double t18 = g->e_1[2] * t15 - (h8 * e_2[2].t[k] + e_2[2].v * t8) + (v_l_0 * x[2].t[k] + x[2].v * t14);
+        const double t14 = h4 * (h1 * t10 + w_1 * (g->k[7][i] * t6) - (w_2 * t2 + v_1_1 * t12)) - h5 * t13;
+        const double t15 = h4 * (w_2 * t1 + v_1_0 * t12 - (h6 * t10 + w_1 * (g->k[7][i] * t4))) - h7 * t13;
+        const double t16 = g->e_1[0][i] * t15 - (h8 * e_2[0].t[k] + e_2[0].v * t8) + (v_l_0 * x[0].t[k] + x[0].v * t14);
+        const double t17 = g->e_1[1][i] * t15 - (h8 * e_2[1].t[k] + e_2[1].v * t8) + (v_l_0 * x[1].t[k] + x[1].v * t14);
+        const double t18 = g->e_1[2][i] * t15 - (h8 * e_2[2].t[k] + e_2[2].v * t8) + (v_l_0 * x[2].t[k] + x[2].v * t14);
         s_dot[0].t[k] = t16;
         s_dot[1].t[k] = t17;
         s_dot[2].t[k] = t18;
@@ -823,41 +825,41 @@ static inline void krhpr_subleg_r_fivebar_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (264 add, 401 multiply, 1
  * divide, 3 sine cosine) */
 static inline void krhpr_subleg_r_fivebar_bias_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double e_2_0 = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    const double e_2_1 = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    const double e_2_2 = g->e_x[2][i] * sin_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double u_1_0 = g->l_4 * h2;
-    const double u_1_1 = g->l_4 * h1;
+    const double u_1_0 = g->l_4[i] * h2;
+    const double u_1_1 = g->l_4[i] * h1;
     double h3, h4; krhpr_sincos(theta[2].v, &h3, &h4);
-    const double u_2_0 = g->l_2 * h4;
-    const double u_2_1 = g->l_2 * h3;
+    const double u_2_0 = g->l_2[i] * h4;
+    const double u_2_1 = g->l_2[i] * h3;
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
-    const double h8 = v_1_0 * g->k[7];
+    const double h8 = v_1_0 * g->k[7][i];
     const double v_2_0 = u_1_0 + h8 - u_2_0;
-    const double h9 = v_1_1 * g->k[7];
+    const double h9 = v_1_1 * g->k[7][i];
     const double v_2_1 = u_1_1 + h9 - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double b_32 = g->k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0;
     const double h5 = theta_dot[1].v * b_32 + theta_dot[2].v * b_33;
-    const double h6 = g->k[7] * b_22;
+    const double h6 = g->k[7][i] * b_22;
     const double h7 = theta_dot[1].v * h6;
     const double t1 = v_1_0 * h5 - v_2_0 * h7;
-    const double h11 = g->e_1[0] * t1;
+    const double h11 = g->e_1[0][i] * t1;
     const double h10 = 1.0 / (h8 * v_2_1 - v_2_0 * h9);
     const double h40 = h11 * h10;
     const double h12 = v_2_1 * h7 - v_1_1 * h5;
@@ -865,13 +867,13 @@ static inline void krhpr_subleg_r_fivebar_bias_tangent(
     const double h43 = h10 * h13;
     const double h14 = e_2_0 * d_0;
     const double s_dot_0 = h40 + h43 - theta_dot[0].v * h14;
-    const double h15 = g->e_1[1] * t1;
+    const double h15 = g->e_1[1][i] * t1;
     const double h48 = h10 * h15;
     const double h16 = x_1 * h12;
     const double h50 = h10 * h16;
     const double h17 = e_2_1 * d_0;
     const double s_dot_1 = h48 + h50 - theta_dot[0].v * h17;
-    const double h18 = g->e_1[2] * t1;
+    const double h18 = g->e_1[2][i] * t1;
     const double h54 = h10 * h18;
     const double h19 = x_2 * h12;
     const double h56 = h10 * h19;
@@ -879,38 +881,38 @@ static inline void krhpr_subleg_r_fivebar_bias_tangent(
     const double s_dot_2 = h54 + h56 - theta_dot[0].v * h20;
     const double t2 = theta_dot[0].v * sin_1;
     const double t3 = theta_dot[0].v * cos_1;
-    const double h21 = g->e_x[0] * t2 + g->e_t[0] * t3;
-    const double h22 = g->e_x[1] * t2 + g->e_t[1] * t3;
-    const double h23 = g->e_x[2] * t2;
-    const double h45 = g->e_x[0] * t3 - g->e_t[0] * t2;
-    const double h52 = g->e_x[1] * t3 - g->e_t[1] * t2;
-    const double h58 = g->e_x[2] * t3;
+    const double h21 = g->e_x[0][i] * t2 + g->e_t[0][i] * t3;
+    const double h22 = g->e_x[1][i] * t2 + g->e_t[1][i] * t3;
+    const double h23 = g->e_x[2][i] * t2;
+    const double h45 = g->e_x[0][i] * t3 - g->e_t[0][i] * t2;
+    const double h52 = g->e_x[1][i] * t3 - g->e_t[1][i] * t2;
+    const double h58 = g->e_x[2][i] * t3;
     const double h46 = x_0 * s_dot_0 - arm_0 * h21 + (x_1 * s_dot_1 - arm_1 * h22) + (x_2 * s_dot_2 - arm_2 * h23);
-    const double h24 = g->l_4 * (theta_dot[1].v * h1);
-    const double h26 = g->l_4 * (theta_dot[1].v * h2);
-    const double h30 = g->l_2 * (theta_dot[2].v * h3);
-    const double h31 = g->l_2 * (theta_dot[2].v * h4);
+    const double h24 = g->l_4[i] * (theta_dot[1].v * h1);
+    const double h26 = g->l_4[i] * (theta_dot[1].v * h2);
+    const double h30 = g->l_2[i] * (theta_dot[2].v * h3);
+    const double h31 = g->l_2[i] * (theta_dot[2].v * h4);
     const double h27 = h46 + h24;
-    const double h25 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2 - h26;
-    const double h37 = g->k[7] * h27;
+    const double h25 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - h26;
+    const double h37 = g->k[7][i] * h27;
     const double h28 = h30 + (h37 - h24);
-    const double h38 = g->k[7] * h25;
+    const double h38 = g->k[7][i] * h25;
     const double h29 = h26 + h38 - h31;
-    const double h32 = g->k[13] * (v_2_0 * h26 + u_1_1 * h28 - (u_1_0 * h29 - v_2_1 * h24));
+    const double h32 = g->k[13][i] * (v_2_0 * h26 + u_1_1 * h28 - (u_1_0 * h29 - v_2_1 * h24));
     const double h33 = u_2_0 * h29 - v_2_1 * h30 - (v_2_0 * h31 + u_2_1 * h28);
     const double h34 = theta_dot[1].v * h32 + theta_dot[2].v * h33;
-    const double h35 = g->k[7] * (u_1_0 * h25 - v_1_1 * h24 - (v_1_0 * h26 + u_1_1 * h27));
+    const double h35 = g->k[7][i] * (u_1_0 * h25 - v_1_1 * h24 - (v_1_0 * h26 + u_1_1 * h27));
     const double h36 = theta_dot[1].v * h35;
     const double t4 = h5 * h27 + v_1_0 * h34 - (h7 * h28 + v_2_0 * h36);
     const double h39 = v_2_1 * h37 + h8 * h29 - (h9 * h28 + v_2_0 * h38);
-    const double h41 = g->e_1[0] * t4 - h40 * h39;
+    const double h41 = g->e_1[0][i] * t4 - h40 * h39;
     const double h42 = h7 * h29 + v_2_1 * h36 - (h5 * h25 + v_1_1 * h34);
     const double h44 = x_0 * h42 - h12 * h21 - h43 * h39;
     const double h47 = d_0 * h45 + e_2_0 * h46;
-    const double h49 = g->e_1[1] * t4 - h48 * h39;
+    const double h49 = g->e_1[1][i] * t4 - h48 * h39;
     const double h51 = x_1 * h42 - h12 * h22 - h50 * h39;
     const double h53 = d_0 * h52 + e_2_1 * h46;
-    const double h55 = g->e_1[2] * t4 - h54 * h39;
+    const double h55 = g->e_1[2][i] * t4 - h54 * h39;
     const double h57 = x_2 * h42 - h12 * h23 - h56 * h39;
     const double h59 = d_0 * h58 + e_2_2 * h46;
     s_dot[0].v = s_dot_0;
@@ -922,78 +924,78 @@ static inline void krhpr_subleg_r_fivebar_bias_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t5 = sin_1 * theta[0].t[k];
         const double t6 = cos_1 * theta[0].t[k];
-        const double t7 = g->e_x[0] * t5 + g->e_t[0] * t6;
-        const double t8 = g->e_x[1] * t5 + g->e_t[1] * t6;
-        const double t9 = g->e_x[2] * t5;
-        const double t10 = g->e_x[0] * t6 - g->e_t[0] * t5;
-        const double t11 = g->e_x[1] * t6 - g->e_t[1] * t5;
-        const double t12 = g->e_x[2] * t6;
+        const double t7 = g->e_x[0][i] * t5 + g->e_t[0][i] * t6;
+        const double t8 = g->e_x[1][i] * t5 + g->e_t[1][i] * t6;
+        const double t9 = g->e_x[2][i] * t5;
+        const double t10 = g->e_x[0][i] * t6 - g->e_t[0][i] * t5;
+        const double t11 = g->e_x[1][i] * t6 - g->e_t[1][i] * t5;
+        const double t12 = g->e_x[2][i] * t6;
         const double t13 = x_0 * s[0].t[k] - arm_0 * t7 + (x_1 * s[1].t[k] - arm_1 * t8) + (x_2 * s[2].t[k] - arm_2 * t9);
         const double t14 = h1 * theta[1].t[k];
         const double t15 = h2 * theta[1].t[k];
-        const double t16 = g->l_4 * t14;
-        const double t17 = g->l_4 * t15;
+        const double t16 = g->l_4[i] * t14;
+        const double t17 = g->l_4[i] * t15;
         const double t18 = h3 * theta[2].t[k];
         const double t19 = h4 * theta[2].t[k];
-        const double t20 = g->l_2 * t18;
-        const double t21 = g->l_2 * t19;
+        const double t20 = g->l_2[i] * t18;
+        const double t21 = g->l_2[i] * t19;
         const double t22 = t13 + t16;
-        const double t23 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k] - t17;
-        const double t24 = g->k[7] * t22;
+        const double t23 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k] - t17;
+        const double t24 = g->k[7][i] * t22;
         const double t25 = t20 + (t24 - t16);
-        const double t26 = g->k[7] * t23;
+        const double t26 = g->k[7][i] * t23;
         const double t27 = t17 + t26 - t21;
-        const double t28 = theta_dot[1].v * (g->k[13] * (v_2_0 * t17 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t16)));
+        const double t28 = theta_dot[1].v * (g->k[13][i] * (v_2_0 * t17 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t16)));
         const double t29 = b_33 * theta_dot[2].t[k] + theta_dot[2].v * (u_2_0 * t27 - v_2_1 * t20 - (v_2_0 * t21 + u_2_1 * t25));
         const double t30 = b_32 * theta_dot[1].t[k] + t28 + t29;
-        const double t31 = theta_dot[1].v * (g->k[7] * (u_1_0 * t23 - v_1_1 * t16 - (v_1_0 * t17 + u_1_1 * t22)));
+        const double t31 = theta_dot[1].v * (g->k[7][i] * (u_1_0 * t23 - v_1_1 * t16 - (v_1_0 * t17 + u_1_1 * t22)));
         const double t32 = h6 * theta_dot[1].t[k] + t31;
         const double t33 = h5 * t22 + v_1_0 * t30 - (h7 * t25 + v_2_0 * t32);
         const double t34 = h10 * (h10 * (v_2_1 * t24 + h8 * t27 - (h9 * t25 + v_2_0 * t26)));
-        const double t35 = h10 * (g->e_1[0] * t33) - h11 * t34;
+        const double t35 = h10 * (g->e_1[0][i] * t33) - h11 * t34;
         const double t36 = h7 * t27 + v_2_1 * t32 - (h5 * t23 + v_1_1 * t30);
         const double t37 = h10 * (x_0 * t36 - h12 * t7) - h13 * t34;
         const double t38 = t35 + t37 - (h14 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t10 + e_2_0 * t13));
-        const double t39 = h10 * (g->e_1[1] * t33) - h15 * t34;
+        const double t39 = h10 * (g->e_1[1][i] * t33) - h15 * t34;
         const double t40 = h10 * (x_1 * t36 - h12 * t8) - h16 * t34;
         const double t41 = t39 + t40 - (h17 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t11 + e_2_1 * t13));
-        const double t42 = h10 * (g->e_1[2] * t33) - h18 * t34;
+        const double t42 = h10 * (g->e_1[2][i] * t33) - h18 * t34;
         const double t43 = h10 * (x_2 * t36 - h12 * t9) - h19 * t34;
         const double t44 = t42 + t43 - (h20 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t12 + e_2_2 * t13));
         const double t45 = sin_1 * theta_dot[0].t[k] + theta_dot[0].v * t6;
         const double t46 = cos_1 * theta_dot[0].t[k] - theta_dot[0].v * t5;
-        const double t47 = g->e_x[0] * t45 + g->e_t[0] * t46;
-        const double t48 = g->e_x[1] * t45 + g->e_t[1] * t46;
-        const double t49 = g->e_x[2] * t45;
+        const double t47 = g->e_x[0][i] * t45 + g->e_t[0][i] * t46;
+        const double t48 = g->e_x[1][i] * t45 + g->e_t[1][i] * t46;
+        const double t49 = g->e_x[2][i] * t45;
         const double t50 = x_0 * t38 - s_dot_0 * t7 - (h21 * s[0].t[k] + arm_0 * t47) + (x_1 * t41 - s_dot_1 * t8 - (h22 * s[1].t[k] + arm_1 * t48));
         const double t51 = t50 + (x_2 * t44 - s_dot_2 * t9 - (h23 * s[2].t[k] + arm_2 * t49));
-        const double t52 = g->l_4 * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t15);
-        const double t53 = g->l_4 * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t14);
-        const double t54 = g->l_2 * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t19);
-        const double t55 = g->l_2 * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t18);
+        const double t52 = g->l_4[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t15);
+        const double t53 = g->l_4[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t14);
+        const double t54 = g->l_2[i] * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t19);
+        const double t55 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t18);
         const double t56 = t51 + t52;
-        const double t57 = g->e_1[0] * t38 + g->e_1[1] * t41 + g->e_1[2] * t44 - t53;
-        const double t58 = g->k[7] * t56;
+        const double t57 = g->e_1[0][i] * t38 + g->e_1[1][i] * t41 + g->e_1[2][i] * t44 - t53;
+        const double t58 = g->k[7][i] * t56;
         const double t59 = t54 + (t58 - t52);
-        const double t60 = g->k[7] * t57;
+        const double t60 = g->k[7][i] * t57;
         const double t61 = t53 + t60 - t55;
         const double t62 = u_1_0 * t57 - h25 * t16 - (h24 * t23 + v_1_1 * t52) - (h26 * t22 + v_1_0 * t53 + (h27 * t17 + u_1_1 * t56));
         const double t63 = h26 * t25 + v_2_0 * t53 + (h28 * t17 + u_1_1 * t59) - (u_1_0 * t61 - h29 * t16 - (h24 * t27 + v_2_1 * t52));
         const double t64 = u_2_0 * t61 - h29 * t20 - (h30 * t27 + v_2_1 * t54) - (h31 * t25 + v_2_0 * t55 + (h28 * t21 + u_2_1 * t59));
-        const double t65 = h32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[13] * t63) + (h33 * theta_dot[2].t[k] + theta_dot[2].v * t64);
-        const double t66 = h35 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[7] * t62);
+        const double t65 = h32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[13][i] * t63) + (h33 * theta_dot[2].t[k] + theta_dot[2].v * t64);
+        const double t66 = h35 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[7][i] * t62);
         const double t67 = h27 * t30 + h5 * t56 + (h34 * t22 + v_1_0 * t65) - (h28 * t32 + h7 * t59 + (h36 * t25 + v_2_0 * t66));
         const double t68 = h37 * t27 + v_2_1 * t58 + (h29 * t24 + h8 * t61) - (h28 * t26 + h9 * t59 + (h38 * t25 + v_2_0 * t60));
         const double t69 = h29 * t32 + h7 * t61 + (h36 * t27 + v_2_1 * t66) - (h25 * t30 + h5 * t57 + (h34 * t23 + v_1_1 * t65));
         const double t70 = h10 * (x_0 * t69 - h42 * t7 - (h21 * t36 + h12 * t47) - (h39 * t37 + h43 * t68));
-        const double t71 = h10 * (g->e_1[0] * t67 - (h39 * t35 + h40 * t68)) - h41 * t34 + (t70 - h44 * t34);
-        const double t72 = h45 * t13 + d_0 * (g->e_x[0] * t46 - g->e_t[0] * t45) + (h46 * t10 + e_2_0 * t51);
+        const double t71 = h10 * (g->e_1[0][i] * t67 - (h39 * t35 + h40 * t68)) - h41 * t34 + (t70 - h44 * t34);
+        const double t72 = h45 * t13 + d_0 * (g->e_x[0][i] * t46 - g->e_t[0][i] * t45) + (h46 * t10 + e_2_0 * t51);
         const double t73 = h10 * (x_1 * t69 - h42 * t8 - (h22 * t36 + h12 * t48) - (h39 * t40 + h50 * t68));
-        const double t74 = h10 * (g->e_1[1] * t67 - (h39 * t39 + h48 * t68)) - h49 * t34 + (t73 - h51 * t34);
-        const double t75 = h52 * t13 + d_0 * (g->e_x[1] * t46 - g->e_t[1] * t45) + (h46 * t11 + e_2_1 * t51);
+        const double t74 = h10 * (g->e_1[1][i] * t67 - (h39 * t39 + h48 * t68)) - h49 * t34 + (t73 - h51 * t34);
+        const double t75 = h52 * t13 + d_0 * (g->e_x[1][i] * t46 - g->e_t[1][i] * t45) + (h46 * t11 + e_2_1 * t51);
         const double t76 = h10 * (x_2 * t69 - h42 * t9 - (h23 * t36 + h12 * t49) - (h39 * t43 + h56 * t68));
-        const double t77 = h10 * (g->e_1[2] * t67 - (h39 * t42 + h54 * t68)) - h55 * t34 + (t76 - h57 * t34);
-        const double t78 = theta_dot[0].v * (h58 * t13 + d_0 * (g->e_x[2] * t46) + (h46 * t12 + e_2_2 * t51));
+        const double t77 = h10 * (g->e_1[2][i] * t67 - (h39 * t42 + h54 * t68)) - h55 * t34 + (t76 - h57 * t34);
+        const double t78 = theta_dot[0].v * (h58 * t13 + d_0 * (g->e_x[2][i] * t46) + (h46 * t12 + e_2_2 * t51));
         s_dot[0].t[k] = t38;
         s_dot[1].t[k] = t41;
         s_dot[2].t[k] = t44;
@@ -1006,23 +1008,23 @@ static inline void krhpr_subleg_r_fivebar_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (57 add, 79
  * multiply, 5 divide) */
 static inline void krhpr_subleg_r_fivebar_rates_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *s_dot,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double v_l_0 = x[0].v * s_dot[0].v + x[1].v * s_dot[1].v + x[2].v * s_dot[2].v;
-    const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
+    const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = e_2[0].v * s_dot[0].v + e_2[1].v * s_dot[1].v + e_2[2].v * s_dot[2].v;
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1;
-    const double h1 = g->k[7] * v_2_0;
-    const double h2 = g->k[7] * v_2_1;
+    const double h1 = g->k[7][i] * v_2_0;
+    const double h2 = g->k[7][i] * v_2_1;
     const double w_2 = v_l_0 * h1 + v_l_1 * h2;
     const double h3 = v_l_2 / d[0].v;
     const double h5 = 1.0 / b_22;
@@ -1036,18 +1038,18 @@ static inline void krhpr_subleg_r_fivebar_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
         const double t7 = t6 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
-        const double t8 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t8 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         const double t9 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
         const double t10 = v_l_0 * t1 + v_1_0 * t7 + (v_l_1 * t2 + v_1_1 * t8);
         const double t11 = h4 * (t9 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]) - h3 * d[0].t[k]);
         const double t12 = h5 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t13 = h5 * t12;
-        const double t14 = h1 * t7 + v_l_0 * (g->k[7] * t3) + (h2 * t8 + v_l_1 * (g->k[7] * t4)) - (h5 * (w_1 * t5 + b_32 * t10) - h6 * t13);
+        const double t14 = h1 * t7 + v_l_0 * (g->k[7][i] * t3) + (h2 * t8 + v_l_1 * (g->k[7][i] * t4)) - (h5 * (w_1 * t5 + b_32 * t10) - h6 * t13);
         const double t15 = theta_dot_2 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         theta_dot[0].t[k] = -t11;
         theta_dot[1].t[k] = h5 * t10 - w_1 * t13;
@@ -1058,13 +1060,13 @@ static inline void krhpr_subleg_r_fivebar_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (29 add,
  * 40 multiply, 2 divide) */
 static inline void krhpr_subleg_r_fivebar_determinant_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
     const double t1 = u_1[0].v * v_1_1;
     const double t2 = u_1[1].v * v_1_0;
     const double b_22 = t1 - t2;
@@ -1072,57 +1074,57 @@ static inline void krhpr_subleg_r_fivebar_determinant_tangent(
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
     const double h1 = t2 - t1;
     const double h2 = b_33 * h1;
-    const double t3 = g->k[7] * delta;
+    const double t3 = g->k[7][i] * delta;
     const double det_M_a = d[0].v * h2 / t3;
     const double h3 = 1.0 / t3;
     det_M[0].v = det_M_a;
-    factors[0].v = d[0].v * g->k[15];
-    factors[1].v = b_22 * g->k[16];
-    factors[2].v = b_33 * g->k[17];
-    factors[3].v = delta * g->k[14];
+    factors[0].v = d[0].v * g->k[15][i];
+    factors[1].v = b_22 * g->k[16][i];
+    factors[2].v = b_33 * g->k[17][i];
+    factors[3].v = delta * g->k[14][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t4 = d[0].t[k] - u_1[0].t[k];
         const double t5 = d[1].t[k] - u_1[1].t[k];
-        const double t6 = u_1[0].t[k] + g->k[7] * t4 - u_2[0].t[k];
-        const double t7 = u_1[1].t[k] + g->k[7] * t5 - u_2[1].t[k];
+        const double t6 = u_1[0].t[k] + g->k[7][i] * t4 - u_2[0].t[k];
+        const double t7 = u_1[1].t[k] + g->k[7][i] * t5 - u_2[1].t[k];
         const double t8 = v_1_1 * u_1[0].t[k] + u_1[0].v * t5;
         const double t9 = v_1_0 * u_1[1].t[k] + u_1[1].v * t4;
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t7 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t6);
         const double t11 = v_2_1 * t4 + v_1_0 * t7 - (v_2_0 * t5 + v_1_1 * t6);
-        const double t12 = h2 * d[0].t[k] + d[0].v * (h1 * t10 + b_33 * (t9 - t8)) - det_M_a * (g->k[7] * t11);
+        const double t12 = h2 * d[0].t[k] + d[0].v * (h1 * t10 + b_33 * (t9 - t8)) - det_M_a * (g->k[7][i] * t11);
         det_M[0].t[k] = h3 * t12;
-        factors[0].t[k] = g->k[15] * d[0].t[k];
-        factors[1].t[k] = g->k[16] * (t8 - t9);
-        factors[2].t[k] = g->k[17] * t10;
-        factors[3].t[k] = g->k[14] * t11;
+        factors[0].t[k] = g->k[15][i] * d[0].t[k];
+        factors[1].t[k] = g->k[16][i] * (t8 - t9);
+        factors[2].t[k] = g->k[17][i] * t10;
+        factors[3].t[k] = g->k[14][i] * t11;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 89 multiply, 3
  * divide, 3 arctangent) */
 static inline void krhpr_subleg_r_fivebar_passive_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive,
     krhpr_dual *KRHPR_RESTRICT link)
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[19] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[19] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[19][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[19][i] - u_2[1].v;
     const double h2 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double h1 = u_1[0].v * v_1_0 + u_1[1].v * v_1_1;
     const double h5 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double h4 = u_2[0].v * v_2_0 + u_2[1].v * v_2_1;
     const double h8 = v_1_1 * v_2_0 - v_1_0 * v_2_1;
     const double h7 = v_1_0 * v_2_0 + v_1_1 * v_2_1;
-    const double dir_0 = v_1_0 * g->k[18];
-    const double dir_1 = v_1_1 * g->k[18];
-    const double along_0 = x[0].v * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = x[1].v * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = x[2].v * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - x[0].v * dir_1;
-    const double across_1 = g->e_1[1] * dir_0 - x[1].v * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - x[2].v * dir_1;
+    const double dir_0 = v_1_0 * g->k[18][i];
+    const double dir_1 = v_1_1 * g->k[18][i];
+    const double along_0 = x[0].v * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = x[1].v * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = x[2].v * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - x[0].v * dir_1;
+    const double across_1 = g->e_1[1][i] * dir_0 - x[1].v * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - x[2].v * dir_1;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
     const double h6 = 1.0 / (h4 * h4 + h5 * h5);
     const double h9 = 1.0 / (h7 * h7 + h8 * h8);
@@ -1141,73 +1143,73 @@ static inline void krhpr_subleg_r_fivebar_passive_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[19] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[19] * t2 - u_2[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[19][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[19][i] * t2 - u_2[1].t[k];
         const double t5 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t6 = h2 * (v_1_0 * u_1[0].t[k] + u_1[0].v * t1 + (v_1_1 * u_1[1].t[k] + u_1[1].v * t2));
         const double t7 = h4 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t8 = h5 * (v_2_0 * u_2[0].t[k] + u_2[0].v * t3 + (v_2_1 * u_2[1].t[k] + u_2[1].v * t4));
         const double t9 = h7 * (v_2_0 * t2 + v_1_1 * t3 - (v_2_1 * t1 + v_1_0 * t4)) - h8 * (v_2_0 * t1 + v_1_0 * t3 + (v_2_1 * t2 + v_1_1 * t4));
-        const double t10 = g->k[18] * t1;
-        const double t11 = g->k[18] * t2;
+        const double t10 = g->k[18][i] * t1;
+        const double t11 = g->k[18][i] * t2;
         passive[0].t[k] = h3 * (t5 - t6);
         passive[1].t[k] = h6 * (t7 - t8);
         passive[2].t[k] = h9 * t9;
-        link[0].t[k] = dir_0 * x[0].t[k] + x[0].v * t10 + g->e_1[0] * t11;
-        link[1].t[k] = g->e_1[0] * t10 - (dir_1 * x[0].t[k] + x[0].v * t11);
+        link[0].t[k] = dir_0 * x[0].t[k] + x[0].v * t10 + g->e_1[0][i] * t11;
+        link[1].t[k] = g->e_1[0][i] * t10 - (dir_1 * x[0].t[k] + x[0].v * t11);
         link[2].t[k] = e_2[0].t[k];
-        link[3].t[k] = dir_0 * x[1].t[k] + x[1].v * t10 + g->e_1[1] * t11;
-        link[4].t[k] = g->e_1[1] * t10 - (dir_1 * x[1].t[k] + x[1].v * t11);
+        link[3].t[k] = dir_0 * x[1].t[k] + x[1].v * t10 + g->e_1[1][i] * t11;
+        link[4].t[k] = g->e_1[1][i] * t10 - (dir_1 * x[1].t[k] + x[1].v * t11);
         link[5].t[k] = e_2[1].t[k];
-        link[6].t[k] = dir_0 * x[2].t[k] + x[2].v * t10 + g->e_1[2] * t11;
-        link[7].t[k] = g->e_1[2] * t10 - (dir_1 * x[2].t[k] + x[2].v * t11);
+        link[6].t[k] = dir_0 * x[2].t[k] + x[2].v * t10 + g->e_1[2][i] * t11;
+        link[7].t[k] = g->e_1[2][i] * t10 - (dir_1 * x[2].t[k] + x[2].v * t11);
         link[8].t[k] = e_2[2].t[k];
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (44 add, 49 multiply) */
 static inline void krhpr_subleg_r_fivebar_points_tangent(
-    const krhpr_subleg_r_fivebar_geometry *g, const krhpr_dual *x, const krhpr_dual *d,
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *d,
     const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0].v + g->k[7] * (d[0].v - u_1[0].v);
-    const double p_1 = u_1[1].v + g->k[7] * (d[1].v - u_1[1].v);
-    points[0].v = g->k[20];
-    points[1].v = g->k[21];
-    points[2].v = g->k[22];
-    points[3].v = g->c[0];
-    points[4].v = g->c[1];
-    points[5].v = g->c[2];
-    points[6].v = g->c[0] + g->e_1[0] * u_1[1].v + x[0].v * u_1[0].v;
-    points[7].v = g->c[1] + g->e_1[1] * u_1[1].v + x[1].v * u_1[0].v;
-    points[8].v = g->c[2] + g->e_1[2] * u_1[1].v + x[2].v * u_1[0].v;
-    points[9].v = g->c[0] + g->e_1[0] * u_2[1].v + x[0].v * u_2[0].v;
-    points[10].v = g->c[1] + g->e_1[1] * u_2[1].v + x[1].v * u_2[0].v;
-    points[11].v = g->c[2] + g->e_1[2] * u_2[1].v + x[2].v * u_2[0].v;
-    points[12].v = g->c[0] + g->e_1[0] * p_1 + x[0].v * p_0;
-    points[13].v = g->c[1] + g->e_1[1] * p_1 + x[1].v * p_0;
-    points[14].v = g->c[2] + g->e_1[2] * p_1 + x[2].v * p_0;
+    const double p_0 = u_1[0].v + g->k[7][i] * (d[0].v - u_1[0].v);
+    const double p_1 = u_1[1].v + g->k[7][i] * (d[1].v - u_1[1].v);
+    points[0].v = g->k[20][i];
+    points[1].v = g->k[21][i];
+    points[2].v = g->k[22][i];
+    points[3].v = g->c[0][i];
+    points[4].v = g->c[1][i];
+    points[5].v = g->c[2][i];
+    points[6].v = g->c[0][i] + g->e_1[0][i] * u_1[1].v + x[0].v * u_1[0].v;
+    points[7].v = g->c[1][i] + g->e_1[1][i] * u_1[1].v + x[1].v * u_1[0].v;
+    points[8].v = g->c[2][i] + g->e_1[2][i] * u_1[1].v + x[2].v * u_1[0].v;
+    points[9].v = g->c[0][i] + g->e_1[0][i] * u_2[1].v + x[0].v * u_2[0].v;
+    points[10].v = g->c[1][i] + g->e_1[1][i] * u_2[1].v + x[1].v * u_2[0].v;
+    points[11].v = g->c[2][i] + g->e_1[2][i] * u_2[1].v + x[2].v * u_2[0].v;
+    points[12].v = g->c[0][i] + g->e_1[0][i] * p_1 + x[0].v * p_0;
+    points[13].v = g->c[1][i] + g->e_1[1][i] * p_1 + x[1].v * p_0;
+    points[14].v = g->c[2][i] + g->e_1[2][i] * p_1 + x[2].v * p_0;
     points[15].v = s[0].v;
     points[16].v = s[1].v;
     points[17].v = s[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = u_1[0].t[k] + g->k[7] * (d[0].t[k] - u_1[0].t[k]);
-        const double t2 = u_1[1].t[k] + g->k[7] * (d[1].t[k] - u_1[1].t[k]);
+        const double t1 = u_1[0].t[k] + g->k[7][i] * (d[0].t[k] - u_1[0].t[k]);
+        const double t2 = u_1[1].t[k] + g->k[7][i] * (d[1].t[k] - u_1[1].t[k]);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
         points[3].t[k] = 0.0;
         points[4].t[k] = 0.0;
         points[5].t[k] = 0.0;
-        points[6].t[k] = g->e_1[0] * u_1[1].t[k] + (u_1[0].v * x[0].t[k] + x[0].v * u_1[0].t[k]);
-        points[7].t[k] = g->e_1[1] * u_1[1].t[k] + (u_1[0].v * x[1].t[k] + x[1].v * u_1[0].t[k]);
-        points[8].t[k] = g->e_1[2] * u_1[1].t[k] + (u_1[0].v * x[2].t[k] + x[2].v * u_1[0].t[k]);
-        points[9].t[k] = g->e_1[0] * u_2[1].t[k] + (u_2[0].v * x[0].t[k] + x[0].v * u_2[0].t[k]);
-        points[10].t[k] = g->e_1[1] * u_2[1].t[k] + (u_2[0].v * x[1].t[k] + x[1].v * u_2[0].t[k]);
-        points[11].t[k] = g->e_1[2] * u_2[1].t[k] + (u_2[0].v * x[2].t[k] + x[2].v * u_2[0].t[k]);
-        points[12].t[k] = g->e_1[0] * t2 + (p_0 * x[0].t[k] + x[0].v * t1);
-        points[13].t[k] = g->e_1[1] * t2 + (p_0 * x[1].t[k] + x[1].v * t1);
-        points[14].t[k] = g->e_1[2] * t2 + (p_0 * x[2].t[k] + x[2].v * t1);
+        points[6].t[k] = g->e_1[0][i] * u_1[1].t[k] + (u_1[0].v * x[0].t[k] + x[0].v * u_1[0].t[k]);
+        points[7].t[k] = g->e_1[1][i] * u_1[1].t[k] + (u_1[0].v * x[1].t[k] + x[1].v * u_1[0].t[k]);
+        points[8].t[k] = g->e_1[2][i] * u_1[1].t[k] + (u_1[0].v * x[2].t[k] + x[2].v * u_1[0].t[k]);
+        points[9].t[k] = g->e_1[0][i] * u_2[1].t[k] + (u_2[0].v * x[0].t[k] + x[0].v * u_2[0].t[k]);
+        points[10].t[k] = g->e_1[1][i] * u_2[1].t[k] + (u_2[0].v * x[1].t[k] + x[1].v * u_2[0].t[k]);
+        points[11].t[k] = g->e_1[2][i] * u_2[1].t[k] + (u_2[0].v * x[2].t[k] + x[2].v * u_2[0].t[k]);
+        points[12].t[k] = g->e_1[0][i] * t2 + (p_0 * x[0].t[k] + x[0].v * t1);
+        points[13].t[k] = g->e_1[1][i] * t2 + (p_0 * x[1].t[k] + x[1].v * t1);
+        points[14].t[k] = g->e_1[2][i] * t2 + (p_0 * x[2].t[k] + x[2].v * t1);
         points[15].t[k] = s[0].t[k];
         points[16].t[k] = s[1].t[k];
         points[17].t[k] = s[2].t[k];

@@ -13,85 +13,85 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (22 add, 39
  * multiply, 3 sine cosine) */
 static inline void krhpr_subleg_rrr_forward_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[1].v + theta[2].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double v_1_0 = g->l_3 * h2;
-    const double v_1_1 = g->l_3 * h1;
+    const double v_1_0 = g->l_3[i] * h2;
+    const double v_1_1 = g->l_3[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double d_0 = v_1_0 + g->l_2 * h4;
-    const double d_1 = v_1_1 + g->l_2 * h3;
+    const double d_0 = v_1_0 + g->l_2[i] * h4;
+    const double d_1 = v_1_1 + g->l_2[i] * h3;
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    s[0].v = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1].v = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2].v = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[1].t[k] + theta[2].t[k];
-        const double t3 = g->l_3 * (h1 * t2) + g->l_2 * (h3 * theta[1].t[k]);
-        const double t4 = g->l_3 * (h2 * t2) + g->l_2 * (h4 * theta[1].t[k]);
+        const double t3 = g->l_3[i] * (h1 * t2) + g->l_2[i] * (h3 * theta[1].t[k]);
+        const double t4 = g->l_3[i] * (h2 * t2) + g->l_2[i] * (h4 * theta[1].t[k]);
         const double t5 = sin_1 * theta[0].t[k];
         const double t6 = cos_1 * theta[0].t[k];
-        s[0].t[k] = g->e_1[0] * t4 - (x_0 * t3 + d_0 * (g->e_x[0] * t5 + g->e_t[0] * t6));
-        s[1].t[k] = g->e_1[1] * t4 - (x_1 * t3 + d_0 * (g->e_x[1] * t5 + g->e_t[1] * t6));
-        s[2].t[k] = g->e_1[2] * t4 - (x_2 * t3 + d_0 * (g->e_x[2] * t5));
+        s[0].t[k] = g->e_1[0][i] * t4 - (x_0 * t3 + d_0 * (g->e_x[0][i] * t5 + g->e_t[0][i] * t6));
+        s[1].t[k] = g->e_1[1][i] * t4 - (x_1 * t3 + d_0 * (g->e_x[1][i] * t5 + g->e_t[1][i] * t6));
+        s[2].t[k] = g->e_1[2][i] * t4 - (x_2 * t3 + d_0 * (g->e_x[2][i] * t5));
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (26
  * add, 49 multiply, 3 sine cosine) */
 static inline void krhpr_subleg_rrr_forward_posture_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v_1)
 {
     const double t1 = theta[1].v + theta[2].v;
     double h1, h2; krhpr_sincos(t1, &h1, &h2);
-    const double v_1_0 = g->l_3 * h2;
-    const double v_1_1 = g->l_3 * h1;
+    const double v_1_0 = g->l_3[i] * h2;
+    const double v_1_1 = g->l_3[i] * h1;
     double h3, h4; krhpr_sincos(theta[1].v, &h3, &h4);
-    const double d_0 = v_1_0 + g->l_2 * h4;
-    const double d_1 = v_1_1 + g->l_2 * h3;
+    const double d_0 = v_1_0 + g->l_2[i] * h4;
+    const double d_1 = v_1_1 + g->l_2[i] * h3;
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    s[0].v = g->c[0] + d_0 * x_0 + g->e_1[0] * d_1;
-    s[1].v = g->c[1] + d_0 * x_1 + g->e_1[1] * d_1;
-    s[2].v = g->c[2] + d_0 * x_2 + g->e_1[2] * d_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    s[0].v = g->c[0][i] + d_0 * x_0 + g->e_1[0][i] * d_1;
+    s[1].v = g->c[1][i] + d_0 * x_1 + g->e_1[1][i] * d_1;
+    s[2].v = g->c[2][i] + d_0 * x_2 + g->e_1[2][i] * d_1;
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
-    e_2[0].v = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1].v = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2].v = g->e_x[2] * sin_1;
+    e_2[0].v = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    e_2[1].v = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    e_2[2].v = g->e_x[2][i] * sin_1;
     d[0].v = d_0;
     d[1].v = d_1;
     v_1[0].v = v_1_0;
     v_1[1].v = v_1_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = theta[1].t[k] + theta[2].t[k];
-        const double t3 = g->l_3 * (h1 * t2);
-        const double t4 = g->l_3 * (h2 * t2);
-        const double t5 = t3 + g->l_2 * (h3 * theta[1].t[k]);
-        const double t6 = t4 + g->l_2 * (h4 * theta[1].t[k]);
+        const double t3 = g->l_3[i] * (h1 * t2);
+        const double t4 = g->l_3[i] * (h2 * t2);
+        const double t5 = t3 + g->l_2[i] * (h3 * theta[1].t[k]);
+        const double t6 = t4 + g->l_2[i] * (h4 * theta[1].t[k]);
         const double t7 = sin_1 * theta[0].t[k];
         const double t8 = cos_1 * theta[0].t[k];
-        const double t9 = g->e_x[0] * t7 + g->e_t[0] * t8;
-        const double t10 = g->e_x[1] * t7 + g->e_t[1] * t8;
-        const double t11 = g->e_x[2] * t7;
-        s[0].t[k] = g->e_1[0] * t6 - (x_0 * t5 + d_0 * t9);
-        s[1].t[k] = g->e_1[1] * t6 - (x_1 * t5 + d_0 * t10);
-        s[2].t[k] = g->e_1[2] * t6 - (x_2 * t5 + d_0 * t11);
+        const double t9 = g->e_x[0][i] * t7 + g->e_t[0][i] * t8;
+        const double t10 = g->e_x[1][i] * t7 + g->e_t[1][i] * t8;
+        const double t11 = g->e_x[2][i] * t7;
+        s[0].t[k] = g->e_1[0][i] * t6 - (x_0 * t5 + d_0 * t9);
+        s[1].t[k] = g->e_1[1][i] * t6 - (x_1 * t5 + d_0 * t10);
+        s[2].t[k] = g->e_1[2][i] * t6 - (x_2 * t5 + d_0 * t11);
         x[0].t[k] = -t9;
         x[1].t[k] = -t10;
         x[2].t[k] = -t11;
-        e_2[0].t[k] = g->e_x[0] * t8 - g->e_t[0] * t7;
-        e_2[1].t[k] = g->e_x[1] * t8 - g->e_t[1] * t7;
-        e_2[2].t[k] = g->e_x[2] * t8;
+        e_2[0].t[k] = g->e_x[0][i] * t8 - g->e_t[0][i] * t7;
+        e_2[1].t[k] = g->e_x[1][i] * t8 - g->e_t[1][i] * t7;
+        e_2[2].t[k] = g->e_x[2][i] * t8;
         d[0].t[k] = -t5;
         d[1].t[k] = t6;
         v_1[0].t[k] = -t3;
@@ -102,27 +102,27 @@ static inline void krhpr_subleg_rrr_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (42
  * add, 66 multiply, 5 divide, 2 square root, 3 arctangent) */
 static inline void krhpr_subleg_rrr_inverse_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *s, const double *mode,
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->c[0];
-    const double d_1 = s[1].v - g->c[1];
-    const double d_2 = s[2].v - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0].v - g->c[0][i];
+    const double d_1 = s[1].v - g->c[1][i];
+    const double d_2 = s[2].v - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double t1 = sqrt(d_t * d_t + d_x * d_x);
     const double r = mode[0] * t1;
     const double h3 = mode[0] * d_t;
     const double h2 = mode[0] * d_x;
     const double d2 = r * r + y * y;
-    const double h6 = d2 - g->k[0];
-    const double h5 = g->k[1] - d2;
+    const double h6 = d2 - g->k[0][i];
+    const double h5 = g->k[1][i] - d2;
     const double h2_a = h6 * h5;
     const double t2 = sqrt(h2_a);
     const double S = mode[1] * t2;
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double h1 = 1.0 / t1;
@@ -135,9 +135,9 @@ static inline void krhpr_subleg_rrr_inverse_tangent(
     theta[2].v = krhpr_atan2(S, C);
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t4 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
-        const double t5 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t3 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t4 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
+        const double t5 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t6 = d_t * t4;
         const double t7 = d_x * t3;
         const double t8 = mode[0] * (h1 * (0.5 * (t6 + t6 + (t7 + t7))));
@@ -157,25 +157,25 @@ static inline void krhpr_subleg_rrr_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (53
  * add, 67 multiply, 7 divide, 2 square root, 8 arctangent) */
 static inline void krhpr_subleg_rrr_inverse_all_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double d_0 = s[0].v - g->c[0];
-    const double d_1 = s[1].v - g->c[1];
-    const double d_2 = s[2].v - g->c[2];
-    const double d_x = g->e_x[0] * d_0 + g->e_x[1] * d_1 + g->e_x[2] * d_2;
-    const double d_t = g->e_t[0] * d_0 + g->e_t[1] * d_1;
-    const double y = g->e_1[0] * d_0 + g->e_1[1] * d_1 + g->e_1[2] * d_2;
+    const double d_0 = s[0].v - g->c[0][i];
+    const double d_1 = s[1].v - g->c[1][i];
+    const double d_2 = s[2].v - g->c[2][i];
+    const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
+    const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
+    const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
     const double t1 = d_t * d_t + d_x * d_x;
     const double r = sqrt(t1);
     const double theta_0 = krhpr_atan2(-d_t, d_x);
     const double d2 = r * r + y * y;
-    const double h4 = d2 - g->k[0];
-    const double h3 = g->k[1] - d2;
+    const double h4 = d2 - g->k[0][i];
+    const double h3 = g->k[1][i] - d2;
     const double h2 = h4 * h3;
     const double S = sqrt(h2);
-    const double C = d2 - g->k[2] - g->k[3];
-    const double A = d2 + g->k[2] - g->k[3];
+    const double C = d2 - g->k[2][i] - g->k[3][i];
+    const double A = d2 + g->k[2][i] - g->k[3][i];
     const double t2 = r * A;
     const double t3 = y * S;
     const double n = t2 + t3;
@@ -212,9 +212,9 @@ static inline void krhpr_subleg_rrr_inverse_all_tangent(
     theta[11].v = theta_2_a;
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t7 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t8 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
-        const double t9 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t7 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t8 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
+        const double t9 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t10 = d_t * t8;
         const double t11 = d_x * t7;
         const double t12 = h1 * (0.5 * (t10 + t10 + (t11 + t11)));
@@ -254,90 +254,90 @@ static inline void krhpr_subleg_rrr_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (26 add, 43 multiply, 2 sine cosine) */
 static inline void krhpr_subleg_rrr_posture_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v_1)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
-    e_2[0].v = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    e_2[1].v = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    e_2[2].v = g->e_x[2] * sin_1;
+    e_2[0].v = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    e_2[1].v = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    e_2[2].v = g->e_x[2][i] * sin_1;
     d[0].v = d_0;
     d[1].v = d_1;
-    v_1[0].v = d_0 - g->l_2 * h2;
-    v_1[1].v = d_1 - g->l_2 * h1;
+    v_1[0].v = d_0 - g->l_2[i] * h2;
+    v_1[1].v = d_1 - g->l_2[i] * h1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = sin_1 * theta[0].t[k];
         const double t2 = cos_1 * theta[0].t[k];
-        const double t3 = g->e_x[0] * t1 + g->e_t[0] * t2;
-        const double t4 = g->e_x[1] * t1 + g->e_t[1] * t2;
-        const double t5 = g->e_x[2] * t1;
+        const double t3 = g->e_x[0][i] * t1 + g->e_t[0][i] * t2;
+        const double t4 = g->e_x[1][i] * t1 + g->e_t[1][i] * t2;
+        const double t5 = g->e_x[2][i] * t1;
         const double t6 = x_0 * s[0].t[k] - arm_0 * t3 + (x_1 * s[1].t[k] - arm_1 * t4) + (x_2 * s[2].t[k] - arm_2 * t5);
-        const double t7 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t7 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         x[0].t[k] = -t3;
         x[1].t[k] = -t4;
         x[2].t[k] = -t5;
-        e_2[0].t[k] = g->e_x[0] * t2 - g->e_t[0] * t1;
-        e_2[1].t[k] = g->e_x[1] * t2 - g->e_t[1] * t1;
-        e_2[2].t[k] = g->e_x[2] * t2;
+        e_2[0].t[k] = g->e_x[0][i] * t2 - g->e_t[0][i] * t1;
+        e_2[1].t[k] = g->e_x[1][i] * t2 - g->e_t[1][i] * t1;
+        e_2[2].t[k] = g->e_x[2][i] * t2;
         d[0].t[k] = t6;
         d[1].t[k] = t7;
-        v_1[0].t[k] = t6 + g->l_2 * (h1 * theta[1].t[k]);
-        v_1[1].t[k] = t7 - g->l_2 * (h2 * theta[1].t[k]);
+        v_1[0].t[k] = t6 + g->l_2[i] * (h1 * theta[1].t[k]);
+        v_1[1].t[k] = t7 - g->l_2[i] * (h2 * theta[1].t[k]);
     }
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (21 add, 39 multiply) */
 static inline void krhpr_subleg_rrr_jacobian_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT M)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT M)
 {
     M[0].v = -e_2[0].v * d[0].v;
-    M[1].v = g->e_1[0] * d[0].v - x[0].v * d[1].v;
-    M[2].v = g->e_1[0] * v_1[0].v - x[0].v * v_1[1].v;
+    M[1].v = g->e_1[0][i] * d[0].v - x[0].v * d[1].v;
+    M[2].v = g->e_1[0][i] * v_1[0].v - x[0].v * v_1[1].v;
     M[3].v = -e_2[1].v * d[0].v;
-    M[4].v = g->e_1[1] * d[0].v - x[1].v * d[1].v;
-    M[5].v = g->e_1[1] * v_1[0].v - x[1].v * v_1[1].v;
+    M[4].v = g->e_1[1][i] * d[0].v - x[1].v * d[1].v;
+    M[5].v = g->e_1[1][i] * v_1[0].v - x[1].v * v_1[1].v;
     M[6].v = -e_2[2].v * d[0].v;
-    M[7].v = g->e_1[2] * d[0].v - x[2].v * d[1].v;
-    M[8].v = g->e_1[2] * v_1[0].v - x[2].v * v_1[1].v;
+    M[7].v = g->e_1[2][i] * d[0].v - x[2].v * d[1].v;
+    M[8].v = g->e_1[2][i] * v_1[0].v - x[2].v * v_1[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         M[0].t[k] = -(d[0].v * e_2[0].t[k] + e_2[0].v * d[0].t[k]);
-        M[1].t[k] = g->e_1[0] * d[0].t[k] - (d[1].v * x[0].t[k] + x[0].v * d[1].t[k]);
-        M[2].t[k] = g->e_1[0] * v_1[0].t[k] - (v_1[1].v * x[0].t[k] + x[0].v * v_1[1].t[k]);
+        M[1].t[k] = g->e_1[0][i] * d[0].t[k] - (d[1].v * x[0].t[k] + x[0].v * d[1].t[k]);
+        M[2].t[k] = g->e_1[0][i] * v_1[0].t[k] - (v_1[1].v * x[0].t[k] + x[0].v * v_1[1].t[k]);
         M[3].t[k] = -(d[0].v * e_2[1].t[k] + e_2[1].v * d[0].t[k]);
-        M[4].t[k] = g->e_1[1] * d[0].t[k] - (d[1].v * x[1].t[k] + x[1].v * d[1].t[k]);
-        M[5].t[k] = g->e_1[1] * v_1[0].t[k] - (v_1[1].v * x[1].t[k] + x[1].v * v_1[1].t[k]);
+        M[4].t[k] = g->e_1[1][i] * d[0].t[k] - (d[1].v * x[1].t[k] + x[1].v * d[1].t[k]);
+        M[5].t[k] = g->e_1[1][i] * v_1[0].t[k] - (v_1[1].v * x[1].t[k] + x[1].v * v_1[1].t[k]);
         M[6].t[k] = -(d[0].v * e_2[2].t[k] + e_2[2].v * d[0].t[k]);
-        M[7].t[k] = g->e_1[2] * d[0].t[k] - (d[1].v * x[2].t[k] + x[2].v * d[1].t[k]);
-        M[8].t[k] = g->e_1[2] * v_1[0].t[k] - (v_1[1].v * x[2].t[k] + x[2].v * v_1[1].t[k]);
+        M[7].t[k] = g->e_1[2][i] * d[0].t[k] - (d[1].v * x[2].t[k] + x[2].v * d[1].t[k]);
+        M[8].t[k] = g->e_1[2][i] * v_1[0].t[k] - (v_1[1].v * x[2].t[k] + x[2].v * v_1[1].t[k]);
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (54 add, 78 multiply) */
 static inline void krhpr_subleg_rrr_project_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v_1, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
-    const double n_01 = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v + g->e_1[2] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
     const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
     const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
-    const double n_11 = g->e_1[0] * N[3].v + g->e_1[1] * N[4].v + g->e_1[2] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
     const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
     K[0].v = -d[0].v * n_02;
     K[1].v = d[0].v * n_01 - d[1].v * n_00;
@@ -348,11 +348,11 @@ static inline void krhpr_subleg_rrr_project_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
         const double t2 = t1 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
-        const double t3 = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k] + g->e_1[2] * N[2].t[k];
+        const double t3 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
         const double t4 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
         const double t5 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
         const double t6 = t5 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
-        const double t7 = g->e_1[0] * N[3].t[k] + g->e_1[1] * N[4].t[k] + g->e_1[2] * N[5].t[k];
+        const double t7 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
         const double t8 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
         const double t9 = n_02 * d[0].t[k] + d[0].v * (t4 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
         const double t10 = n_12 * d[0].t[k] + d[0].v * (t8 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
@@ -368,22 +368,22 @@ static inline void krhpr_subleg_rrr_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (27 add,
  * 39 multiply) */
 static inline void krhpr_subleg_rrr_velocity_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v_1, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     const double h1 = d[0].v * theta_dot[0].v;
     const double h2 = d[1].v * theta_dot[1].v + v_1[1].v * theta_dot[2].v;
     const double w_2 = d[0].v * theta_dot[1].v + v_1[0].v * theta_dot[2].v;
-    s_dot[0].v = g->e_1[0] * w_2 - e_2[0].v * h1 - x[0].v * h2;
-    s_dot[1].v = g->e_1[1] * w_2 - e_2[1].v * h1 - x[1].v * h2;
-    s_dot[2].v = g->e_1[2] * w_2 - e_2[2].v * h1 - x[2].v * h2;
+    s_dot[0].v = g->e_1[0][i] * w_2 - e_2[0].v * h1 - x[0].v * h2;
+    s_dot[1].v = g->e_1[1][i] * w_2 - e_2[1].v * h1 - x[1].v * h2;
+    s_dot[2].v = g->e_1[2][i] * w_2 - e_2[2].v * h1 - x[2].v * h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
         const double t2 = theta_dot[1].v * d[1].t[k] + d[1].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[1].t[k] + v_1[1].v * theta_dot[2].t[k]);
         const double t3 = theta_dot[1].v * d[0].t[k] + d[0].v * theta_dot[1].t[k] + (theta_dot[2].v * v_1[0].t[k] + v_1[0].v * theta_dot[2].t[k]);
-        const double t4 = g->e_1[0] * t3 - (h1 * e_2[0].t[k] + e_2[0].v * t1) - (h2 * x[0].t[k] + x[0].v * t2);
-        const double t5 = g->e_1[1] * t3 - (h1 * e_2[1].t[k] + e_2[1].v * t1) - (h2 * x[1].t[k] + x[1].v * t2);
-        const double t6 = g->e_1[2] * t3 - (h1 * e_2[2].t[k] + e_2[2].v * t1) - (h2 * x[2].t[k] + x[2].v * t2);
+        const double t4 = g->e_1[0][i] * t3 - (h1 * e_2[0].t[k] + e_2[0].v * t1) - (h2 * x[0].t[k] + x[0].v * t2);
+        const double t5 = g->e_1[1][i] * t3 - (h1 * e_2[1].t[k] + e_2[1].v * t1) - (h2 * x[1].t[k] + x[1].v * t2);
+        const double t6 = g->e_1[2][i] * t3 - (h1 * e_2[2].t[k] + e_2[2].v * t1) - (h2 * x[2].t[k] + x[2].v * t2);
         s_dot[0].t[k] = t4;
         s_dot[1].t[k] = t5;
         s_dot[2].t[k] = t6;
@@ -393,44 +393,44 @@ static inline void krhpr_subleg_rrr_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (138 add, 211 multiply, 2
  * sine cosine) */
 static inline void krhpr_subleg_rrr_bias_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double e_2_0 = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    const double e_2_1 = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    const double e_2_2 = g->e_x[2][i] * sin_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
-    const double v_1_0 = d_0 - g->l_2 * h2;
-    const double v_1_1 = d_1 - g->l_2 * h1;
+    const double v_1_0 = d_0 - g->l_2[i] * h2;
+    const double v_1_1 = d_1 - g->l_2[i] * h1;
     const double t1 = theta_dot[1].v * d_0 + theta_dot[2].v * v_1_0;
     const double h3 = theta_dot[1].v * d_1 + theta_dot[2].v * v_1_1;
     const double h4 = e_2_0 * d_0;
-    const double s_dot_0 = g->e_1[0] * t1 - x_0 * h3 - theta_dot[0].v * h4;
+    const double s_dot_0 = g->e_1[0][i] * t1 - x_0 * h3 - theta_dot[0].v * h4;
     const double h5 = e_2_1 * d_0;
-    const double s_dot_1 = g->e_1[1] * t1 - x_1 * h3 - theta_dot[0].v * h5;
+    const double s_dot_1 = g->e_1[1][i] * t1 - x_1 * h3 - theta_dot[0].v * h5;
     const double h6 = e_2_2 * d_0;
-    const double s_dot_2 = g->e_1[2] * t1 - x_2 * h3 - theta_dot[0].v * h6;
+    const double s_dot_2 = g->e_1[2][i] * t1 - x_2 * h3 - theta_dot[0].v * h6;
     const double t2 = theta_dot[0].v * sin_1;
     const double t3 = theta_dot[0].v * cos_1;
-    const double h7 = g->e_x[0] * t2 + g->e_t[0] * t3;
-    const double h8 = g->e_x[1] * t2 + g->e_t[1] * t3;
-    const double h9 = g->e_x[2] * t2;
-    const double h15 = g->e_x[0] * t3 - g->e_t[0] * t2;
-    const double h17 = g->e_x[1] * t3 - g->e_t[1] * t2;
-    const double h19 = g->e_x[2] * t3;
+    const double h7 = g->e_x[0][i] * t2 + g->e_t[0][i] * t3;
+    const double h8 = g->e_x[1][i] * t2 + g->e_t[1][i] * t3;
+    const double h9 = g->e_x[2][i] * t2;
+    const double h15 = g->e_x[0][i] * t3 - g->e_t[0][i] * t2;
+    const double h17 = g->e_x[1][i] * t3 - g->e_t[1][i] * t2;
+    const double h19 = g->e_x[2][i] * t3;
     const double h10 = x_0 * s_dot_0 - arm_0 * h7 + (x_1 * s_dot_1 - arm_1 * h8) + (x_2 * s_dot_2 - arm_2 * h9);
-    const double h12 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
-    const double h11 = h10 + g->l_2 * (theta_dot[1].v * h1);
-    const double h13 = h12 - g->l_2 * (theta_dot[1].v * h2);
+    const double h12 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
+    const double h11 = h10 + g->l_2[i] * (theta_dot[1].v * h1);
+    const double h13 = h12 - g->l_2[i] * (theta_dot[1].v * h2);
     const double t4 = theta_dot[1].v * h10 + theta_dot[2].v * h11;
     const double h14 = theta_dot[1].v * h12 + theta_dot[2].v * h13;
     const double h16 = d_0 * h15 + e_2_0 * h10;
@@ -439,45 +439,45 @@ static inline void krhpr_subleg_rrr_bias_tangent(
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
-    bias[0].v = g->e_1[0] * t4 - (x_0 * h14 - h3 * h7) - theta_dot[0].v * h16;
-    bias[1].v = g->e_1[1] * t4 - (x_1 * h14 - h3 * h8) - theta_dot[0].v * h18;
-    bias[2].v = g->e_1[2] * t4 - (x_2 * h14 - h3 * h9) - theta_dot[0].v * h20;
+    bias[0].v = g->e_1[0][i] * t4 - (x_0 * h14 - h3 * h7) - theta_dot[0].v * h16;
+    bias[1].v = g->e_1[1][i] * t4 - (x_1 * h14 - h3 * h8) - theta_dot[0].v * h18;
+    bias[2].v = g->e_1[2][i] * t4 - (x_2 * h14 - h3 * h9) - theta_dot[0].v * h20;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t5 = sin_1 * theta[0].t[k];
         const double t6 = cos_1 * theta[0].t[k];
-        const double t7 = g->e_x[0] * t5 + g->e_t[0] * t6;
-        const double t8 = g->e_x[1] * t5 + g->e_t[1] * t6;
-        const double t9 = g->e_x[2] * t5;
-        const double t10 = g->e_x[0] * t6 - g->e_t[0] * t5;
-        const double t11 = g->e_x[1] * t6 - g->e_t[1] * t5;
-        const double t12 = g->e_x[2] * t6;
+        const double t7 = g->e_x[0][i] * t5 + g->e_t[0][i] * t6;
+        const double t8 = g->e_x[1][i] * t5 + g->e_t[1][i] * t6;
+        const double t9 = g->e_x[2][i] * t5;
+        const double t10 = g->e_x[0][i] * t6 - g->e_t[0][i] * t5;
+        const double t11 = g->e_x[1][i] * t6 - g->e_t[1][i] * t5;
+        const double t12 = g->e_x[2][i] * t6;
         const double t13 = x_0 * s[0].t[k] - arm_0 * t7 + (x_1 * s[1].t[k] - arm_1 * t8) + (x_2 * s[2].t[k] - arm_2 * t9);
-        const double t14 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t14 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t15 = h1 * theta[1].t[k];
         const double t16 = h2 * theta[1].t[k];
-        const double t17 = d_0 * theta_dot[1].t[k] + theta_dot[1].v * t13 + (v_1_0 * theta_dot[2].t[k] + theta_dot[2].v * (t13 + g->l_2 * t15));
-        const double t18 = d_1 * theta_dot[1].t[k] + theta_dot[1].v * t14 + (v_1_1 * theta_dot[2].t[k] + theta_dot[2].v * (t14 - g->l_2 * t16));
-        const double t19 = g->e_1[0] * t17 - (x_0 * t18 - h3 * t7) - (h4 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t10 + e_2_0 * t13));
-        const double t20 = g->e_1[1] * t17 - (x_1 * t18 - h3 * t8) - (h5 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t11 + e_2_1 * t13));
-        const double t21 = g->e_1[2] * t17 - (x_2 * t18 - h3 * t9) - (h6 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t12 + e_2_2 * t13));
+        const double t17 = d_0 * theta_dot[1].t[k] + theta_dot[1].v * t13 + (v_1_0 * theta_dot[2].t[k] + theta_dot[2].v * (t13 + g->l_2[i] * t15));
+        const double t18 = d_1 * theta_dot[1].t[k] + theta_dot[1].v * t14 + (v_1_1 * theta_dot[2].t[k] + theta_dot[2].v * (t14 - g->l_2[i] * t16));
+        const double t19 = g->e_1[0][i] * t17 - (x_0 * t18 - h3 * t7) - (h4 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t10 + e_2_0 * t13));
+        const double t20 = g->e_1[1][i] * t17 - (x_1 * t18 - h3 * t8) - (h5 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t11 + e_2_1 * t13));
+        const double t21 = g->e_1[2][i] * t17 - (x_2 * t18 - h3 * t9) - (h6 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t12 + e_2_2 * t13));
         const double t22 = sin_1 * theta_dot[0].t[k] + theta_dot[0].v * t6;
         const double t23 = cos_1 * theta_dot[0].t[k] - theta_dot[0].v * t5;
-        const double t24 = g->e_x[0] * t22 + g->e_t[0] * t23;
-        const double t25 = g->e_x[1] * t22 + g->e_t[1] * t23;
-        const double t26 = g->e_x[2] * t22;
+        const double t24 = g->e_x[0][i] * t22 + g->e_t[0][i] * t23;
+        const double t25 = g->e_x[1][i] * t22 + g->e_t[1][i] * t23;
+        const double t26 = g->e_x[2][i] * t22;
         const double t27 = x_0 * t19 - s_dot_0 * t7 - (h7 * s[0].t[k] + arm_0 * t24) + (x_1 * t20 - s_dot_1 * t8 - (h8 * s[1].t[k] + arm_1 * t25));
         const double t28 = t27 + (x_2 * t21 - s_dot_2 * t9 - (h9 * s[2].t[k] + arm_2 * t26));
-        const double t29 = g->e_1[0] * t19 + g->e_1[1] * t20 + g->e_1[2] * t21;
-        const double t30 = theta_dot[2].v * (t28 + g->l_2 * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t16));
+        const double t29 = g->e_1[0][i] * t19 + g->e_1[1][i] * t20 + g->e_1[2][i] * t21;
+        const double t30 = theta_dot[2].v * (t28 + g->l_2[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t16));
         const double t31 = h10 * theta_dot[1].t[k] + theta_dot[1].v * t28 + (h11 * theta_dot[2].t[k] + t30);
-        const double t32 = theta_dot[2].v * (t29 - g->l_2 * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t15));
+        const double t32 = theta_dot[2].v * (t29 - g->l_2[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t15));
         const double t33 = h12 * theta_dot[1].t[k] + theta_dot[1].v * t29 + (h13 * theta_dot[2].t[k] + t32);
-        const double t34 = h15 * t13 + d_0 * (g->e_x[0] * t23 - g->e_t[0] * t22) + (h10 * t10 + e_2_0 * t28);
-        const double t35 = g->e_1[0] * t31 - (x_0 * t33 - h14 * t7 - (h7 * t18 + h3 * t24)) - (h16 * theta_dot[0].t[k] + theta_dot[0].v * t34);
-        const double t36 = h17 * t13 + d_0 * (g->e_x[1] * t23 - g->e_t[1] * t22) + (h10 * t11 + e_2_1 * t28);
-        const double t37 = g->e_1[1] * t31 - (x_1 * t33 - h14 * t8 - (h8 * t18 + h3 * t25)) - (h18 * theta_dot[0].t[k] + theta_dot[0].v * t36);
-        const double t38 = theta_dot[0].v * (h19 * t13 + d_0 * (g->e_x[2] * t23) + (h10 * t12 + e_2_2 * t28));
-        const double t39 = g->e_1[2] * t31 - (x_2 * t33 - h14 * t9 - (h9 * t18 + h3 * t26)) - (h20 * theta_dot[0].t[k] + t38);
+        const double t34 = h15 * t13 + d_0 * (g->e_x[0][i] * t23 - g->e_t[0][i] * t22) + (h10 * t10 + e_2_0 * t28);
+        const double t35 = g->e_1[0][i] * t31 - (x_0 * t33 - h14 * t7 - (h7 * t18 + h3 * t24)) - (h16 * theta_dot[0].t[k] + theta_dot[0].v * t34);
+        const double t36 = h17 * t13 + d_0 * (g->e_x[1][i] * t23 - g->e_t[1][i] * t22) + (h10 * t11 + e_2_1 * t28);
+        const double t37 = g->e_1[1][i] * t31 - (x_1 * t33 - h14 * t8 - (h8 * t18 + h3 * t25)) - (h18 * theta_dot[0].t[k] + theta_dot[0].v * t36);
+        const double t38 = theta_dot[0].v * (h19 * t13 + d_0 * (g->e_x[2][i] * t23) + (h10 * t12 + e_2_2 * t28));
+        const double t39 = g->e_1[2][i] * t31 - (x_2 * t33 - h14 * t9 - (h9 * t18 + h3 * t26)) - (h20 * theta_dot[0].t[k] + t38);
         s_dot[0].t[k] = t19;
         s_dot[1].t[k] = t20;
         s_dot[2].t[k] = t21;
@@ -490,12 +490,12 @@ static inline void krhpr_subleg_rrr_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (33 add, 52
  * multiply, 3 divide) */
 static inline void krhpr_subleg_rrr_rates_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v_1, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
     const double v_l_0 = x[0].v * s_dot[0].v + x[1].v * s_dot[1].v + x[2].v * s_dot[2].v;
-    const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
+    const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = e_2[0].v * s_dot[0].v + e_2[1].v * s_dot[1].v + e_2[2].v * s_dot[2].v;
     const double h1 = v_l_2 / d[0].v;
     const double h4 = v_1[0].v * v_l_0 + v_1[1].v * v_l_1;
@@ -509,7 +509,7 @@ static inline void krhpr_subleg_rrr_rates_tangent(
         const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
         const double t2 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
         const double t3 = t2 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
-        const double t4 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t4 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         const double t5 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
         const double t6 = h2 * (t5 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]) - h1 * d[0].t[k]);
         const double t7 = h3 * (h3 * t1);
@@ -524,34 +524,34 @@ static inline void krhpr_subleg_rrr_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (5 add,
  * 13 multiply) */
 static inline void krhpr_subleg_rrr_determinant_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
     det_M[0].v = -d[0].v * elbow;
-    factors[0].v = d[0].v * g->k[5];
-    factors[1].v = elbow * g->k[6];
+    factors[0].v = d[0].v * g->k[5][i];
+    factors[1].v = elbow * g->k[6][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
         det_M[0].t[k] = -(elbow * d[0].t[k] + d[0].v * t1);
-        factors[0].t[k] = g->k[5] * d[0].t[k];
-        factors[1].t[k] = g->k[6] * t1;
+        factors[0].t[k] = g->k[5][i] * d[0].t[k];
+        factors[1].t[k] = g->k[6][i] * t1;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (18 add, 34 multiply) */
 static inline void krhpr_subleg_rrr_passive_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *v_1,
-    krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v_1[0].v * g->k[7];
-    const double dir_1 = v_1[1].v * g->k[7];
-    const double along_0 = x[0].v * dir_0 + g->e_1[0] * dir_1;
-    const double along_1 = x[1].v * dir_0 + g->e_1[1] * dir_1;
-    const double along_2 = x[2].v * dir_0 + g->e_1[2] * dir_1;
-    const double across_0 = g->e_1[0] * dir_0 - x[0].v * dir_1;
-    const double across_1 = g->e_1[1] * dir_0 - x[1].v * dir_1;
-    const double across_2 = g->e_1[2] * dir_0 - x[2].v * dir_1;
+    const double dir_0 = v_1[0].v * g->k[7][i];
+    const double dir_1 = v_1[1].v * g->k[7][i];
+    const double along_0 = x[0].v * dir_0 + g->e_1[0][i] * dir_1;
+    const double along_1 = x[1].v * dir_0 + g->e_1[1][i] * dir_1;
+    const double along_2 = x[2].v * dir_0 + g->e_1[2][i] * dir_1;
+    const double across_0 = g->e_1[0][i] * dir_0 - x[0].v * dir_1;
+    const double across_1 = g->e_1[1][i] * dir_0 - x[1].v * dir_1;
+    const double across_2 = g->e_1[2][i] * dir_0 - x[2].v * dir_1;
     link[0].v = along_0;
     link[1].v = across_0;
     link[2].v = e_2[0].v;
@@ -562,36 +562,36 @@ static inline void krhpr_subleg_rrr_passive_tangent(
     link[7].v = across_2;
     link[8].v = e_2[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[7] * v_1[0].t[k];
-        const double t2 = g->k[7] * v_1[1].t[k];
-        link[0].t[k] = dir_0 * x[0].t[k] + x[0].v * t1 + g->e_1[0] * t2;
-        link[1].t[k] = g->e_1[0] * t1 - (dir_1 * x[0].t[k] + x[0].v * t2);
+        const double t1 = g->k[7][i] * v_1[0].t[k];
+        const double t2 = g->k[7][i] * v_1[1].t[k];
+        link[0].t[k] = dir_0 * x[0].t[k] + x[0].v * t1 + g->e_1[0][i] * t2;
+        link[1].t[k] = g->e_1[0][i] * t1 - (dir_1 * x[0].t[k] + x[0].v * t2);
         link[2].t[k] = e_2[0].t[k];
-        link[3].t[k] = dir_0 * x[1].t[k] + x[1].v * t1 + g->e_1[1] * t2;
-        link[4].t[k] = g->e_1[1] * t1 - (dir_1 * x[1].t[k] + x[1].v * t2);
+        link[3].t[k] = dir_0 * x[1].t[k] + x[1].v * t1 + g->e_1[1][i] * t2;
+        link[4].t[k] = g->e_1[1][i] * t1 - (dir_1 * x[1].t[k] + x[1].v * t2);
         link[5].t[k] = e_2[1].t[k];
-        link[6].t[k] = dir_0 * x[2].t[k] + x[2].v * t1 + g->e_1[2] * t2;
-        link[7].t[k] = g->e_1[2] * t1 - (dir_1 * x[2].t[k] + x[2].v * t2);
+        link[6].t[k] = dir_0 * x[2].t[k] + x[2].v * t1 + g->e_1[2][i] * t2;
+        link[7].t[k] = g->e_1[2][i] * t1 - (dir_1 * x[2].t[k] + x[2].v * t2);
         link[8].t[k] = e_2[2].t[k];
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (16 add, 15 multiply) */
 static inline void krhpr_subleg_rrr_points_tangent(
-    const krhpr_subleg_rrr_geometry *g, const krhpr_dual *x, const krhpr_dual *d, const krhpr_dual *v_1,
-    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *d,
+    const krhpr_dual *v_1, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
     const double t1 = d[1].v - v_1[1].v;
     const double h1 = d[0].v - v_1[0].v;
-    points[0].v = g->k[8];
-    points[1].v = g->k[9];
-    points[2].v = g->k[10];
-    points[3].v = g->c[0];
-    points[4].v = g->c[1];
-    points[5].v = g->c[2];
-    points[6].v = g->c[0] + g->e_1[0] * t1 + x[0].v * h1;
-    points[7].v = g->c[1] + g->e_1[1] * t1 + x[1].v * h1;
-    points[8].v = g->c[2] + g->e_1[2] * t1 + x[2].v * h1;
+    points[0].v = g->k[8][i];
+    points[1].v = g->k[9][i];
+    points[2].v = g->k[10][i];
+    points[3].v = g->c[0][i];
+    points[4].v = g->c[1][i];
+    points[5].v = g->c[2][i];
+    points[6].v = g->c[0][i] + g->e_1[0][i] * t1 + x[0].v * h1;
+    points[7].v = g->c[1][i] + g->e_1[1][i] * t1 + x[1].v * h1;
+    points[8].v = g->c[2][i] + g->e_1[2][i] * t1 + x[2].v * h1;
     points[9].v = s[0].v;
     points[10].v = s[1].v;
     points[11].v = s[2].v;
@@ -604,9 +604,9 @@ static inline void krhpr_subleg_rrr_points_tangent(
         points[3].t[k] = 0.0;
         points[4].t[k] = 0.0;
         points[5].t[k] = 0.0;
-        points[6].t[k] = g->e_1[0] * t2 + (h1 * x[0].t[k] + x[0].v * t3);
-        points[7].t[k] = g->e_1[1] * t2 + (h1 * x[1].t[k] + x[1].v * t3);
-        points[8].t[k] = g->e_1[2] * t2 + (h1 * x[2].t[k] + x[2].v * t3);
+        points[6].t[k] = g->e_1[0][i] * t2 + (h1 * x[0].t[k] + x[0].v * t3);
+        points[7].t[k] = g->e_1[1][i] * t2 + (h1 * x[1].t[k] + x[1].v * t3);
+        points[8].t[k] = g->e_1[2][i] * t2 + (h1 * x[2].t[k] + x[2].v * t3);
         points[9].t[k] = s[0].t[k];
         points[10].t[k] = s[1].t[k];
         points[11].t[k] = s[2].t[k];

@@ -13,55 +13,55 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (50 add, 105
  * multiply, 4 sine cosine) */
 static inline void krhpr_subleg_rrrr_forward_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double u_0 = g->l_2 * cos_2;
-    const double u_1 = g->l_2 * sin_2;
+    const double u_0 = g->l_2[i] * cos_2;
+    const double u_1 = g->l_2[i] * sin_2;
     const double e_4_0 = sin_2 * sin_3;
     const double h5 = cos_2 * sin_3;
     double h1, h2; krhpr_sincos(theta[3].v, &h1, &h2);
     const double h3 = cos_3 * u_1;
-    const double v_0 = g->l_3 * (u_0 * h2 * g->k[0] - g->k[0] * (h1 * h3));
+    const double v_0 = g->l_3[i] * (u_0 * h2 * g->k[0][i] - g->k[0][i] * (h1 * h3));
     const double h4 = cos_3 * u_0;
-    const double v_1 = g->l_3 * (g->k[0] * (u_1 * h2) + g->k[0] * (h1 * h4));
-    const double h6 = g->l_3 * (u_1 * e_4_0 + u_0 * h5);
-    const double v_2 = g->k[0] * (h1 * h6);
+    const double v_1 = g->l_3[i] * (g->k[0][i] * (u_1 * h2) + g->k[0][i] * (h1 * h4));
+    const double h6 = g->l_3[i] * (u_1 * e_4_0 + u_0 * h5);
+    const double v_2 = g->k[0][i] * (h1 * h6);
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double e_2_0 = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    const double e_2_1 = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    const double e_2_2 = g->e_x[2][i] * sin_1;
     const double d_0 = u_0 + v_0;
     const double d_1 = u_1 + v_1;
-    s[0].v = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1 + v_2 * e_2_0;
-    s[1].v = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1 + v_2 * e_2_1;
-    s[2].v = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1 + v_2 * e_2_2;
+    s[0].v = g->c[0][i] + x_0 * d_0 + g->e_1[0][i] * d_1 + v_2 * e_2_0;
+    s[1].v = g->c[1][i] + x_1 * d_0 + g->e_1[1][i] * d_1 + v_2 * e_2_1;
+    s[2].v = g->c[2][i] + x_2 * d_0 + g->e_1[2][i] * d_1 + v_2 * e_2_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = sin_2 * theta[1].t[k];
         const double t2 = cos_2 * theta[1].t[k];
         const double t3 = sin_3 * theta[2].t[k];
         const double t4 = cos_3 * theta[2].t[k];
-        const double t5 = g->l_2 * t1;
-        const double t6 = g->l_2 * t2;
+        const double t5 = g->l_2[i] * t1;
+        const double t6 = g->l_2[i] * t2;
         const double t7 = h1 * theta[3].t[k];
         const double t8 = h2 * theta[3].t[k];
-        const double t9 = g->k[0] * (h2 * t5 + u_0 * t7) + g->k[0] * (h3 * t8 + h1 * (cos_3 * t6 - u_1 * t3));
-        const double t10 = g->k[0] * (h2 * t6 - u_1 * t7) + g->k[0] * (h4 * t8 - h1 * (u_0 * t3 + cos_3 * t5));
+        const double t9 = g->k[0][i] * (h2 * t5 + u_0 * t7) + g->k[0][i] * (h3 * t8 + h1 * (cos_3 * t6 - u_1 * t3));
+        const double t10 = g->k[0][i] * (h2 * t6 - u_1 * t7) + g->k[0][i] * (h4 * t8 - h1 * (u_0 * t3 + cos_3 * t5));
         const double t11 = e_4_0 * t6 + u_1 * (sin_3 * t2 + sin_2 * t4) + (u_0 * (cos_2 * t4 - sin_3 * t1) - h5 * t5);
-        const double t12 = g->k[0] * (h6 * t8 + h1 * (g->l_3 * t11));
+        const double t12 = g->k[0][i] * (h6 * t8 + h1 * (g->l_3[i] * t11));
         const double t13 = sin_1 * theta[0].t[k];
         const double t14 = cos_1 * theta[0].t[k];
-        const double t15 = t5 + g->l_3 * t9;
-        const double t16 = t6 + g->l_3 * t10;
-        const double t17 = g->e_1[0] * t16 - (d_0 * (g->e_x[0] * t13 + g->e_t[0] * t14) + x_0 * t15) + (e_2_0 * t12 + v_2 * (g->e_x[0] * t14 - g->e_t[0] * t13));
-        const double t18 = g->e_1[1] * t16 - (d_0 * (g->e_x[1] * t13 + g->e_t[1] * t14) + x_1 * t15) + (e_2_1 * t12 + v_2 * (g->e_x[1] * t14 - g->e_t[1] * t13));
-        const double t19 = g->e_1[2] * t16 - (d_0 * (g->e_x[2] * t13) + x_2 * t15) + (e_2_2 * t12 + v_2 * (g->e_x[2] * t14));
-        s[0].t[k] = t17;
-        s[1].t[k] = t18;
+        const double t15 = t5 + g->l_3[i] * t9;
+        const double t16 = t6 + g->l_3[i] * t10;
+        const double t17 = g->e_1[0][i] * t16 - (d_0 * (g->e_x[0][i] * t13 + g->e_t[0][i] * t14) + x_0 * t15);
+        const double t18 = g->e_1[1][i] * t16 - (d_0 * (g->e_x[1][i] * t13 + g->e_t[1][i] * t14) + x_1 * t15);
+        const double t19 = g->e_1[2][i] * t16 - (d_0 * (g->e_x[2][i] * t13) + x_2 * t15) + (e_2_2 * t12 + v_2 * (g->e_x[2][i] * t14));
+        s[0].t[k] = t17 + (e_2_0 * t12 + v_2 * (g->e_x[0][i] * t14 - g->e_t[0][i] * t13));
+        s[1].t[k] = t18 + (e_2_1 * t12 + v_2 * (g->e_x[1][i] * t14 - g->e_t[1][i] * t13));
         s[2].t[k] = t19;
     }
 }
@@ -69,35 +69,35 @@ static inline void krhpr_subleg_rrrr_forward_tangent(
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (51
  * add, 105 multiply, 4 sine cosine) */
 static inline void krhpr_subleg_rrrr_forward_posture_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v, krhpr_dual *KRHPR_RESTRICT e_4)
 {
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double u_0 = g->l_2 * cos_2;
-    const double u_1 = g->l_2 * sin_2;
+    const double u_0 = g->l_2[i] * cos_2;
+    const double u_1 = g->l_2[i] * sin_2;
     const double e_4_0 = sin_2 * sin_3;
     const double h5 = cos_2 * sin_3;
     double h1, h2; krhpr_sincos(theta[3].v, &h1, &h2);
     const double h3 = cos_3 * u_1;
-    const double v_0 = g->l_3 * (u_0 * h2 * g->k[0] - g->k[0] * (h1 * h3));
+    const double v_0 = g->l_3[i] * (u_0 * h2 * g->k[0][i] - g->k[0][i] * (h1 * h3));
     const double h4 = cos_3 * u_0;
-    const double v_1 = g->l_3 * (g->k[0] * (u_1 * h2) + g->k[0] * (h1 * h4));
-    const double h6 = g->l_3 * (u_1 * e_4_0 + u_0 * h5);
-    const double v_2 = g->k[0] * (h1 * h6);
+    const double v_1 = g->l_3[i] * (g->k[0][i] * (u_1 * h2) + g->k[0][i] * (h1 * h4));
+    const double h6 = g->l_3[i] * (u_1 * e_4_0 + u_0 * h5);
+    const double v_2 = g->k[0][i] * (h1 * h6);
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double e_2_0 = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    const double e_2_1 = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    const double e_2_2 = g->e_x[2][i] * sin_1;
     const double d_0 = u_0 + v_0;
     const double d_1 = u_1 + v_1;
-    s[0].v = g->c[0] + x_0 * d_0 + g->e_1[0] * d_1 + v_2 * e_2_0;
-    s[1].v = g->c[1] + x_1 * d_0 + g->e_1[1] * d_1 + v_2 * e_2_1;
-    s[2].v = g->c[2] + x_2 * d_0 + g->e_1[2] * d_1 + v_2 * e_2_2;
+    s[0].v = g->c[0][i] + x_0 * d_0 + g->e_1[0][i] * d_1 + v_2 * e_2_0;
+    s[1].v = g->c[1][i] + x_1 * d_0 + g->e_1[1][i] * d_1 + v_2 * e_2_1;
+    s[2].v = g->c[2][i] + x_2 * d_0 + g->e_1[2][i] * d_1 + v_2 * e_2_2;
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
@@ -118,32 +118,32 @@ static inline void krhpr_subleg_rrrr_forward_posture_tangent(
         const double t2 = cos_2 * theta[1].t[k];
         const double t3 = sin_3 * theta[2].t[k];
         const double t4 = cos_3 * theta[2].t[k];
-        const double t5 = g->l_2 * t1;
-        const double t6 = g->l_2 * t2;
+        const double t5 = g->l_2[i] * t1;
+        const double t6 = g->l_2[i] * t2;
         const double t7 = sin_3 * t2 + sin_2 * t4;
         const double t8 = sin_3 * t1;
         const double t9 = cos_2 * t4;
         const double t10 = h1 * theta[3].t[k];
         const double t11 = h2 * theta[3].t[k];
-        const double t12 = g->k[0] * (h2 * t5 + u_0 * t10) + g->k[0] * (h3 * t11 + h1 * (cos_3 * t6 - u_1 * t3));
-        const double t13 = g->l_3 * t12;
-        const double t14 = g->k[0] * (h2 * t6 - u_1 * t10) + g->k[0] * (h4 * t11 - h1 * (u_0 * t3 + cos_3 * t5));
-        const double t15 = g->l_3 * t14;
-        const double t16 = h6 * t11 + h1 * (g->l_3 * (e_4_0 * t6 + u_1 * t7 + (u_0 * (t9 - t8) - h5 * t5)));
-        const double t17 = g->k[0] * t16;
+        const double t12 = g->k[0][i] * (h2 * t5 + u_0 * t10) + g->k[0][i] * (h3 * t11 + h1 * (cos_3 * t6 - u_1 * t3));
+        const double t13 = g->l_3[i] * t12;
+        const double t14 = g->k[0][i] * (h2 * t6 - u_1 * t10) + g->k[0][i] * (h4 * t11 - h1 * (u_0 * t3 + cos_3 * t5));
+        const double t15 = g->l_3[i] * t14;
+        const double t16 = h6 * t11 + h1 * (g->l_3[i] * (e_4_0 * t6 + u_1 * t7 + (u_0 * (t9 - t8) - h5 * t5)));
+        const double t17 = g->k[0][i] * t16;
         const double t18 = sin_1 * theta[0].t[k];
         const double t19 = cos_1 * theta[0].t[k];
-        const double t20 = g->e_x[0] * t18 + g->e_t[0] * t19;
-        const double t21 = g->e_x[1] * t18 + g->e_t[1] * t19;
-        const double t22 = g->e_x[2] * t18;
-        const double t23 = g->e_x[0] * t19 - g->e_t[0] * t18;
-        const double t24 = g->e_x[1] * t19 - g->e_t[1] * t18;
-        const double t25 = g->e_x[2] * t19;
+        const double t20 = g->e_x[0][i] * t18 + g->e_t[0][i] * t19;
+        const double t21 = g->e_x[1][i] * t18 + g->e_t[1][i] * t19;
+        const double t22 = g->e_x[2][i] * t18;
+        const double t23 = g->e_x[0][i] * t19 - g->e_t[0][i] * t18;
+        const double t24 = g->e_x[1][i] * t19 - g->e_t[1][i] * t18;
+        const double t25 = g->e_x[2][i] * t19;
         const double t26 = t5 + t13;
         const double t27 = t6 + t15;
-        s[0].t[k] = g->e_1[0] * t27 - (d_0 * t20 + x_0 * t26) + (e_2_0 * t17 + v_2 * t23);
-        s[1].t[k] = g->e_1[1] * t27 - (d_0 * t21 + x_1 * t26) + (e_2_1 * t17 + v_2 * t24);
-        s[2].t[k] = g->e_1[2] * t27 - (d_0 * t22 + x_2 * t26) + (e_2_2 * t17 + v_2 * t25);
+        s[0].t[k] = g->e_1[0][i] * t27 - (d_0 * t20 + x_0 * t26) + (e_2_0 * t17 + v_2 * t23);
+        s[1].t[k] = g->e_1[1][i] * t27 - (d_0 * t21 + x_1 * t26) + (e_2_1 * t17 + v_2 * t24);
+        s[2].t[k] = g->e_1[2][i] * t27 - (d_0 * t22 + x_2 * t26) + (e_2_2 * t17 + v_2 * t25);
         x[0].t[k] = -t20;
         x[1].t[k] = -t21;
         x[2].t[k] = -t22;
@@ -165,22 +165,22 @@ static inline void krhpr_subleg_rrrr_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.  (105
  * add, 208 multiply, 9 divide, 4 square root, 1 sine cosine, 4 arctangent) */
 static inline void krhpr_subleg_rrrr_inverse_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *s, const double *mode, const krhpr_dual *swivel,
-    krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
+    const krhpr_dual *swivel, krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double d_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double d_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = d_0 * d_0;
     const double h7 = d_1 * d_1;
     const double t2 = d_2 * d_2;
     const double d2 = t1 + h7 + t2;
     const double r = sqrt(t1 + t2);
-    const double h3 = d2 - g->k[1];
-    const double h2 = g->k[2] - d2;
+    const double h3 = d2 - g->k[1][i];
+    const double h2 = g->k[2][i] - d2;
     const double h2_a = h3 * h2;
     const double root = sqrt(h2_a);
     const double h6 = d_0 * d_1;
@@ -194,7 +194,7 @@ static inline void krhpr_subleg_rrrr_inverse_tangent(
     const double h16 = d_2 * h9;
     const double side_2 = d_0 * h9;
     const double h11 = d_0 * 0.5;
-    const double h10 = d2 + g->k[3] - g->k[4];
+    const double h10 = d2 + g->k[3][i] - g->k[4][i];
     const double h12 = h11 * h10;
     const double h18 = root * 0.5;
     double h13, h14; krhpr_sincos(swivel[0].v, &h13, &h14);
@@ -224,10 +224,10 @@ static inline void krhpr_subleg_rrrr_inverse_tangent(
     const double h34 = u_2 * h31 + u_0 * e_2_2;
     const double h35 = e_2_2 * n_0;
     const double h36 = h31 * n_2;
-    const double h38 = (u_1 * h35 - n_1 * h34 + u_1 * h36) * g->k[0];
+    const double h38 = (u_1 * h35 - n_1 * h34 + u_1 * h36) * g->k[0][i];
     const double h37 = e_2_2 * n_2 - h31 * n_0;
     const double h41 = mode[1] * root;
-    const double h40 = d2 - g->k[3] - g->k[4];
+    const double h40 = d2 - g->k[3][i] - g->k[4][i];
     const double h4 = 1.0 / root;
     const double h30 = 1.0 / t3;
     const double h32 = 1.0 / (e_2_2 * e_2_2 + h31 * h31);
@@ -240,9 +240,9 @@ static inline void krhpr_subleg_rrrr_inverse_tangent(
     theta[3].v = krhpr_atan2(h41, h40);
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t5 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
-        const double t6 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        const double t4 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t5 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        const double t6 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
         const double t7 = d_0 * t4;
         const double t8 = t7 + t7;
         const double t9 = d_1 * t5;
@@ -273,7 +273,7 @@ static inline void krhpr_subleg_rrrr_inverse_tangent(
         const double t34 = mode[1] * (u_0 * t5 + d_1 * t23 - (u_1 * t4 + d_0 * t25));
         const double t35 = h34 * (mode[1] * (u_2 * t4 + d_0 * t27 - (u_0 * t6 + d_2 * t23))) + n_1 * (h31 * t27 + u_2 * t30 + (e_2_2 * t23 + u_0 * t31));
         const double t36 = h35 * t25 + u_1 * (n_0 * t31 + e_2_2 * t33) - t35 + (h36 * t25 + u_1 * (n_2 * t30 + h31 * t34));
-        const double t37 = h37 * (g->k[0] * t36) - h38 * (n_2 * t31 + e_2_2 * t34 - (n_0 * t30 + h31 * t33));
+        const double t37 = h37 * (g->k[0][i] * t36) - h38 * (n_2 * t31 + e_2_2 * t34 - (n_0 * t30 + h31 * t33));
         theta[0].t[k] = h32 * (h31 * t31 - e_2_2 * t30);
         theta[1].t[k] = t32;
         theta[2].t[k] = h39 * t37;
@@ -285,22 +285,22 @@ static inline void krhpr_subleg_rrrr_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.
  * (154 add, 261 multiply, 13 divide, 4 square root, 1 sine cosine, 10 arctangent) */
 static inline void krhpr_subleg_rrrr_inverse_all_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *s, const krhpr_dual *swivel,
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *swivel,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double d_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double d_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double d_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double d_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     const double t1 = d_0 * d_0;
     const double h7 = d_1 * d_1;
     const double t2 = d_2 * d_2;
     const double d2 = t1 + h7 + t2;
     const double r = sqrt(t1 + t2);
-    const double h3 = d2 - g->k[1];
-    const double h2 = g->k[2] - d2;
+    const double h3 = d2 - g->k[1][i];
+    const double h2 = g->k[2][i] - d2;
     const double h2_a = h3 * h2;
     const double root = sqrt(h2_a);
     const double h6 = d_0 * d_1;
@@ -314,7 +314,7 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
     const double h16 = d_2 * h9;
     const double side_2 = d_0 * h9;
     const double h11 = d_0 * 0.5;
-    const double h10 = d2 + g->k[3] - g->k[4];
+    const double h10 = d2 + g->k[3][i] - g->k[4][i];
     const double h12 = h11 * h10;
     const double t3 = h5 * h12;
     const double h18 = root * 0.5;
@@ -353,10 +353,10 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
     const double h34 = u_0 * n_0;
     const double h35 = u_2 * n_2;
     const double t12 = u_1 * h35;
-    const double h37 = (u_1 * h34 - h33 * n_1 + t12) * g->k[0];
+    const double h37 = (u_1 * h34 - h33 * n_1 + t12) * g->k[0][i];
     const double t13 = u_2 * n_0;
     const double h36 = u_0 * n_2 - t13;
-    const double h39 = d2 - g->k[3] - g->k[4];
+    const double h39 = d2 - g->k[3][i] - g->k[4][i];
     const double theta_3 = krhpr_atan2(root, h39);
     const double n_0_a = t7 - t6;
     const double n_1_a = t9 - t8;
@@ -364,7 +364,7 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
     const double h41 = u_0 * n_0_a;
     const double h42 = u_2 * n_2_a;
     const double t14 = u_1 * h42;
-    const double h44 = g->k[0] * (u_1 * h41 - h33 * n_1_a + t14);
+    const double h44 = g->k[0][i] * (u_1 * h41 - h33 * n_1_a + t14);
     const double t15 = u_2 * n_0_a;
     const double h43 = u_0 * n_2_a - t15;
     const double theta_3_a = krhpr_atan2(-root, h39);
@@ -374,10 +374,10 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
     const double theta_1_a = krhpr_atan2(u_1, level_a);
     const double h47 = u_0 * e_2_2 - t5;
     const double h48 = n_0 * e_2_2;
-    const double h50 = g->k[0] * (u_1 * h48 - n_1 * h47 - t12);
+    const double h50 = g->k[0][i] * (u_1 * h48 - n_1 * h47 - t12);
     const double h49 = t13 + n_2 * e_2_2;
     const double h52 = n_0_a * e_2_2;
-    const double h54 = g->k[0] * (u_1 * h52 - n_1_a * h47 - t14);
+    const double h54 = g->k[0][i] * (u_1 * h52 - n_1_a * h47 - t14);
     const double h53 = t15 + n_2_a * e_2_2;
     const double h4 = 1.0 / root;
     const double h30 = 1.0 / level;
@@ -407,9 +407,9 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
     theta[15].v = theta_3_a;
     radicand[0].v = h2_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t16 = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        const double t17 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
-        const double t18 = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        const double t16 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t17 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        const double t18 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
         const double t19 = d_0 * t16;
         const double t20 = t19 + t19;
         const double t21 = d_1 * t17;
@@ -451,7 +451,7 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
         const double t57 = u_1 * t16 + d_0 * t39;
         const double t58 = t56 - t57;
         const double t59 = h35 * t39 + u_1 * (n_2 * t41 + u_2 * t58);
-        const double t60 = g->k[0] * (h34 * t39 + u_1 * (n_0 * t37 + u_0 * t52) - (n_1 * t45 + h33 * t55) + t59);
+        const double t60 = g->k[0][i] * (h34 * t39 + u_1 * (n_0 * t37 + u_0 * t52) - (n_1 * t45 + h33 * t55) + t59);
         const double t61 = n_0 * t41 + u_2 * t52;
         const double t62 = h39 * t27;
         const double t63 = root * t25;
@@ -460,14 +460,14 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
         const double t66 = t54 - t53;
         const double t67 = t57 - t56;
         const double t68 = h42 * t39 + u_1 * (n_2_a * t41 + u_2 * t67);
-        const double t69 = g->k[0] * (h41 * t39 + u_1 * (n_0_a * t37 + u_0 * t65) - (n_1_a * t45 + h33 * t66) + t68);
+        const double t69 = g->k[0][i] * (h41 * t39 + u_1 * (n_0_a * t37 + u_0 * t65) - (n_1_a * t45 + h33 * t66) + t68);
         const double t70 = n_0_a * t41 + u_2 * t65;
         const double t71 = h40 * (t63 - t62);
         const double t72 = t36 - t30;
         const double t73 = h46 * (e_2_2 * t41 - u_2 * t72);
         const double t74 = h32 * (t48 - t47);
         const double t75 = e_2_2 * t37 + u_0 * t72 - t44;
-        const double t76 = g->k[0] * (h48 * t39 + u_1 * (e_2_2 * t52 + n_0 * t72) - (h47 * t55 + n_1 * t75) - t59);
+        const double t76 = g->k[0][i] * (h48 * t39 + u_1 * (e_2_2 * t52 + n_0 * t72) - (h47 * t55 + n_1 * t75) - t59);
         const double t77 = h52 * t39 + u_1 * (e_2_2 * t65 + n_0_a * t72) - (h47 * t66 + n_1_a * t75) - t68;
         theta[0].t[k] = t46;
         theta[1].t[k] = t49;
@@ -483,7 +483,7 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
         theta[11].t[k] = t64;
         theta[12].t[k] = t73;
         theta[13].t[k] = t74;
-        theta[14].t[k] = h55 * (h53 * (g->k[0] * t77) - h54 * (t70 + (e_2_2 * t67 + n_2_a * t72)));
+        theta[14].t[k] = h55 * (h53 * (g->k[0][i] * t77) - h54 * (t70 + (e_2_2 * t67 + n_2_a * t72)));
         theta[15].t[k] = t71;
         radicand[0].t[k] = t26;
     }
@@ -492,27 +492,27 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (35 add, 60 multiply, 3 sine cosine) */
 static inline void krhpr_subleg_rrrr_posture_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v, krhpr_dual *KRHPR_RESTRICT e_4)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double e_2_0 = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    const double e_2_1 = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    const double e_2_2 = g->e_x[2][i] * sin_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d_2 = e_2_0 * arm_0 + e_2_1 * arm_1 + e_2_2 * arm_2;
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double u_0 = g->l_2 * cos_2;
-    const double u_1 = g->l_2 * sin_2;
+    const double u_0 = g->l_2[i] * cos_2;
+    const double u_1 = g->l_2[i] * sin_2;
     x[0].v = x_0;
     x[1].v = x_1;
     x[2].v = x_2;
@@ -531,14 +531,14 @@ static inline void krhpr_subleg_rrrr_posture_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = sin_1 * theta[0].t[k];
         const double t2 = cos_1 * theta[0].t[k];
-        const double t3 = g->e_x[0] * t1 + g->e_t[0] * t2;
-        const double t4 = g->e_x[1] * t1 + g->e_t[1] * t2;
-        const double t5 = g->e_x[2] * t1;
-        const double t6 = g->e_x[0] * t2 - g->e_t[0] * t1;
-        const double t7 = g->e_x[1] * t2 - g->e_t[1] * t1;
-        const double t8 = g->e_x[2] * t2;
+        const double t3 = g->e_x[0][i] * t1 + g->e_t[0][i] * t2;
+        const double t4 = g->e_x[1][i] * t1 + g->e_t[1][i] * t2;
+        const double t5 = g->e_x[2][i] * t1;
+        const double t6 = g->e_x[0][i] * t2 - g->e_t[0][i] * t1;
+        const double t7 = g->e_x[1][i] * t2 - g->e_t[1][i] * t1;
+        const double t8 = g->e_x[2][i] * t2;
         const double t9 = x_0 * s[0].t[k] - arm_0 * t3 + (x_1 * s[1].t[k] - arm_1 * t4) + (x_2 * s[2].t[k] - arm_2 * t5);
-        const double t10 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t10 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t11 = arm_0 * t6 + e_2_0 * s[0].t[k] + (arm_1 * t7 + e_2_1 * s[1].t[k]) + (arm_2 * t8 + e_2_2 * s[2].t[k]);
         const double t12 = sin_2 * theta[1].t[k];
         const double t13 = cos_2 * theta[1].t[k];
@@ -552,8 +552,8 @@ static inline void krhpr_subleg_rrrr_posture_tangent(
         d[0].t[k] = t9;
         d[1].t[k] = t10;
         d[2].t[k] = t11;
-        v[0].t[k] = t9 + g->l_2 * t12;
-        v[1].t[k] = t10 - g->l_2 * t13;
+        v[0].t[k] = t9 + g->l_2[i] * t12;
+        v[1].t[k] = t10 - g->l_2[i] * t13;
         v[2].t[k] = t11;
         e_4[0].t[k] = sin_3 * t13 + sin_2 * t14;
         e_4[1].t[k] = sin_3 * t12 - cos_2 * t14;
@@ -564,12 +564,12 @@ static inline void krhpr_subleg_rrrr_posture_tangent(
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (87 add, 123 multiply) */
 static inline void krhpr_subleg_rrrr_jacobian_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v, const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT M)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT M)
 {
-    const double dir_0 = (d[0].v - v[0].v) * g->k[0];
-    const double dir_1 = g->k[0] * (d[1].v - v[1].v);
-    const double dir_2 = g->k[0] * (d[2].v - v[2].v);
+    const double dir_0 = (d[0].v - v[0].v) * g->k[0][i];
+    const double dir_1 = g->k[0][i] * (d[1].v - v[1].v);
+    const double dir_2 = g->k[0][i] * (d[2].v - v[2].v);
     const double m_3_0 = v[2].v * dir_1 - v[1].v * dir_2;
     const double m_3_1 = v[0].v * dir_2 - v[2].v * dir_0;
     const double m_3_2 = v[1].v * dir_0 - v[0].v * dir_1;
@@ -577,21 +577,21 @@ static inline void krhpr_subleg_rrrr_jacobian_tangent(
     const double m_4_1 = v[0].v * e_4[2].v - v[2].v * e_4[0].v;
     const double m_4_2 = v[1].v * e_4[0].v - v[0].v * e_4[1].v;
     M[0].v = x[0].v * d[2].v - e_2[0].v * d[0].v;
-    M[1].v = g->e_1[0] * d[0].v - x[0].v * d[1].v;
-    M[2].v = e_2[0].v * m_3_2 + g->e_1[0] * m_3_1 + x[0].v * m_3_0;
-    M[3].v = e_2[0].v * m_4_2 + g->e_1[0] * m_4_1 + x[0].v * m_4_0;
+    M[1].v = g->e_1[0][i] * d[0].v - x[0].v * d[1].v;
+    M[2].v = e_2[0].v * m_3_2 + g->e_1[0][i] * m_3_1 + x[0].v * m_3_0;
+    M[3].v = e_2[0].v * m_4_2 + g->e_1[0][i] * m_4_1 + x[0].v * m_4_0;
     M[4].v = x[1].v * d[2].v - e_2[1].v * d[0].v;
-    M[5].v = g->e_1[1] * d[0].v - x[1].v * d[1].v;
-    M[6].v = e_2[1].v * m_3_2 + g->e_1[1] * m_3_1 + x[1].v * m_3_0;
-    M[7].v = e_2[1].v * m_4_2 + g->e_1[1] * m_4_1 + x[1].v * m_4_0;
+    M[5].v = g->e_1[1][i] * d[0].v - x[1].v * d[1].v;
+    M[6].v = e_2[1].v * m_3_2 + g->e_1[1][i] * m_3_1 + x[1].v * m_3_0;
+    M[7].v = e_2[1].v * m_4_2 + g->e_1[1][i] * m_4_1 + x[1].v * m_4_0;
     M[8].v = x[2].v * d[2].v - e_2[2].v * d[0].v;
-    M[9].v = g->e_1[2] * d[0].v - x[2].v * d[1].v;
-    M[10].v = e_2[2].v * m_3_2 + g->e_1[2] * m_3_1 + x[2].v * m_3_0;
-    M[11].v = e_2[2].v * m_4_2 + g->e_1[2] * m_4_1 + x[2].v * m_4_0;
+    M[9].v = g->e_1[2][i] * d[0].v - x[2].v * d[1].v;
+    M[10].v = e_2[2].v * m_3_2 + g->e_1[2][i] * m_3_1 + x[2].v * m_3_0;
+    M[11].v = e_2[2].v * m_4_2 + g->e_1[2][i] * m_4_1 + x[2].v * m_4_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[0] * (d[0].t[k] - v[0].t[k]);
-        const double t2 = g->k[0] * (d[1].t[k] - v[1].t[k]);
-        const double t3 = g->k[0] * (d[2].t[k] - v[2].t[k]);
+        const double t1 = g->k[0][i] * (d[0].t[k] - v[0].t[k]);
+        const double t2 = g->k[0][i] * (d[1].t[k] - v[1].t[k]);
+        const double t3 = g->k[0][i] * (d[2].t[k] - v[2].t[k]);
         const double t4 = dir_1 * v[2].t[k] + v[2].v * t2 - (dir_2 * v[1].t[k] + v[1].v * t3);
         const double t5 = dir_2 * v[0].t[k] + v[0].v * t3 - (dir_0 * v[2].t[k] + v[2].v * t1);
         const double t6 = dir_0 * v[1].t[k] + v[1].v * t1 - (dir_1 * v[0].t[k] + v[0].v * t2);
@@ -599,24 +599,24 @@ static inline void krhpr_subleg_rrrr_jacobian_tangent(
         const double t8 = e_4[2].v * v[0].t[k] + v[0].v * e_4[2].t[k] - (e_4[0].v * v[2].t[k] + v[2].v * e_4[0].t[k]);
         const double t9 = e_4[0].v * v[1].t[k] + v[1].v * e_4[0].t[k] - (e_4[1].v * v[0].t[k] + v[0].v * e_4[1].t[k]);
         const double t10 = d[2].v * x[0].t[k] + x[0].v * d[2].t[k] - (d[0].v * e_2[0].t[k] + e_2[0].v * d[0].t[k]);
-        const double t11 = m_3_2 * e_2[0].t[k] + e_2[0].v * t6 + g->e_1[0] * t5 + (m_3_0 * x[0].t[k] + x[0].v * t4);
-        const double t12 = m_4_2 * e_2[0].t[k] + e_2[0].v * t9 + g->e_1[0] * t8 + (m_4_0 * x[0].t[k] + x[0].v * t7);
+        const double t11 = m_3_2 * e_2[0].t[k] + e_2[0].v * t6 + g->e_1[0][i] * t5 + (m_3_0 * x[0].t[k] + x[0].v * t4);
+        const double t12 = m_4_2 * e_2[0].t[k] + e_2[0].v * t9 + g->e_1[0][i] * t8 + (m_4_0 * x[0].t[k] + x[0].v * t7);
         const double t13 = d[2].v * x[1].t[k] + x[1].v * d[2].t[k] - (d[0].v * e_2[1].t[k] + e_2[1].v * d[0].t[k]);
-        const double t14 = m_3_2 * e_2[1].t[k] + e_2[1].v * t6 + g->e_1[1] * t5 + (m_3_0 * x[1].t[k] + x[1].v * t4);
-        const double t15 = m_4_2 * e_2[1].t[k] + e_2[1].v * t9 + g->e_1[1] * t8 + (m_4_0 * x[1].t[k] + x[1].v * t7);
+        const double t14 = m_3_2 * e_2[1].t[k] + e_2[1].v * t6 + g->e_1[1][i] * t5 + (m_3_0 * x[1].t[k] + x[1].v * t4);
+        const double t15 = m_4_2 * e_2[1].t[k] + e_2[1].v * t9 + g->e_1[1][i] * t8 + (m_4_0 * x[1].t[k] + x[1].v * t7);
         const double t16 = d[2].v * x[2].t[k] + x[2].v * d[2].t[k] - (d[0].v * e_2[2].t[k] + e_2[2].v * d[0].t[k]);
-        const double t17 = m_3_2 * e_2[2].t[k] + e_2[2].v * t6 + g->e_1[2] * t5 + (m_3_0 * x[2].t[k] + x[2].v * t4);
-        const double t18 = m_4_2 * e_2[2].t[k] + e_2[2].v * t9 + g->e_1[2] * t8 + (m_4_0 * x[2].t[k] + x[2].v * t7);
+        const double t17 = m_3_2 * e_2[2].t[k] + e_2[2].v * t6 + g->e_1[2][i] * t5 + (m_3_0 * x[2].t[k] + x[2].v * t4);
+        const double t18 = m_4_2 * e_2[2].t[k] + e_2[2].v * t9 + g->e_1[2][i] * t8 + (m_4_0 * x[2].t[k] + x[2].v * t7);
         M[0].t[k] = t10;
-        M[1].t[k] = g->e_1[0] * d[0].t[k] - (d[1].v * x[0].t[k] + x[0].v * d[1].t[k]);
+        M[1].t[k] = g->e_1[0][i] * d[0].t[k] - (d[1].v * x[0].t[k] + x[0].v * d[1].t[k]);
         M[2].t[k] = t11;
         M[3].t[k] = t12;
         M[4].t[k] = t13;
-        M[5].t[k] = g->e_1[1] * d[0].t[k] - (d[1].v * x[1].t[k] + x[1].v * d[1].t[k]);
+        M[5].t[k] = g->e_1[1][i] * d[0].t[k] - (d[1].v * x[1].t[k] + x[1].v * d[1].t[k]);
         M[6].t[k] = t14;
         M[7].t[k] = t15;
         M[8].t[k] = t16;
-        M[9].t[k] = g->e_1[2] * d[0].t[k] - (d[1].v * x[2].t[k] + x[2].v * d[1].t[k]);
+        M[9].t[k] = g->e_1[2][i] * d[0].t[k] - (d[1].v * x[2].t[k] + x[2].v * d[1].t[k]);
         M[10].t[k] = t17;
         M[11].t[k] = t18;
     }
@@ -625,12 +625,13 @@ static inline void krhpr_subleg_rrrr_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (110 add, 150 multiply) */
 static inline void krhpr_subleg_rrrr_project_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *N,
+    krhpr_dual *KRHPR_RESTRICT K)
 {
-    const double dir_0 = (d[0].v - v[0].v) * g->k[0];
-    const double dir_1 = g->k[0] * (d[1].v - v[1].v);
-    const double dir_2 = g->k[0] * (d[2].v - v[2].v);
+    const double dir_0 = (d[0].v - v[0].v) * g->k[0][i];
+    const double dir_1 = g->k[0][i] * (d[1].v - v[1].v);
+    const double dir_2 = g->k[0][i] * (d[2].v - v[2].v);
     const double m_3_0 = v[2].v * dir_1 - v[1].v * dir_2;
     const double m_3_1 = v[0].v * dir_2 - v[2].v * dir_0;
     const double m_3_2 = v[1].v * dir_0 - v[0].v * dir_1;
@@ -638,10 +639,10 @@ static inline void krhpr_subleg_rrrr_project_tangent(
     const double m_4_1 = v[0].v * e_4[2].v - v[2].v * e_4[0].v;
     const double m_4_2 = v[1].v * e_4[0].v - v[0].v * e_4[1].v;
     const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
-    const double n_01 = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v + g->e_1[2] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
     const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
     const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
-    const double n_11 = g->e_1[0] * N[3].v + g->e_1[1] * N[4].v + g->e_1[2] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
     const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
     K[0].v = d[2].v * n_00 - d[0].v * n_02;
     K[1].v = d[0].v * n_01 - d[1].v * n_00;
@@ -652,9 +653,9 @@ static inline void krhpr_subleg_rrrr_project_tangent(
     K[6].v = m_3_0 * n_10 + m_3_1 * n_11 + m_3_2 * n_12;
     K[7].v = m_4_0 * n_10 + m_4_1 * n_11 + m_4_2 * n_12;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[0] * (d[0].t[k] - v[0].t[k]);
-        const double t2 = g->k[0] * (d[1].t[k] - v[1].t[k]);
-        const double t3 = g->k[0] * (d[2].t[k] - v[2].t[k]);
+        const double t1 = g->k[0][i] * (d[0].t[k] - v[0].t[k]);
+        const double t2 = g->k[0][i] * (d[1].t[k] - v[1].t[k]);
+        const double t3 = g->k[0][i] * (d[2].t[k] - v[2].t[k]);
         const double t4 = dir_1 * v[2].t[k] + v[2].v * t2 - (dir_2 * v[1].t[k] + v[1].v * t3);
         const double t5 = dir_2 * v[0].t[k] + v[0].v * t3 - (dir_0 * v[2].t[k] + v[2].v * t1);
         const double t6 = dir_0 * v[1].t[k] + v[1].v * t1 - (dir_1 * v[0].t[k] + v[0].v * t2);
@@ -663,12 +664,12 @@ static inline void krhpr_subleg_rrrr_project_tangent(
         const double t9 = e_4[0].v * v[1].t[k] + v[1].v * e_4[0].t[k] - (e_4[1].v * v[0].t[k] + v[0].v * e_4[1].t[k]);
         const double t10 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
         const double t11 = t10 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
-        const double t12 = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k] + g->e_1[2] * N[2].t[k];
+        const double t12 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
         const double t13 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
         const double t14 = t13 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]);
         const double t15 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
         const double t16 = t15 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
-        const double t17 = g->e_1[0] * N[3].t[k] + g->e_1[1] * N[4].t[k] + g->e_1[2] * N[5].t[k];
+        const double t17 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
         const double t18 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
         const double t19 = t18 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]);
         const double t20 = n_00 * t4 + m_3_0 * t11 + (n_01 * t5 + m_3_1 * t12) + (n_02 * t6 + m_3_2 * t14);
@@ -689,12 +690,13 @@ static inline void krhpr_subleg_rrrr_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (72 add,
  * 96 multiply) */
 static inline void krhpr_subleg_rrrr_velocity_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *theta_dot,
+    krhpr_dual *KRHPR_RESTRICT s_dot)
 {
-    const double dir_0 = (d[0].v - v[0].v) * g->k[0];
-    const double dir_1 = g->k[0] * (d[1].v - v[1].v);
-    const double dir_2 = g->k[0] * (d[2].v - v[2].v);
+    const double dir_0 = (d[0].v - v[0].v) * g->k[0][i];
+    const double dir_1 = g->k[0][i] * (d[1].v - v[1].v);
+    const double dir_2 = g->k[0][i] * (d[2].v - v[2].v);
     const double m_3_0 = v[2].v * dir_1 - v[1].v * dir_2;
     const double m_3_1 = v[0].v * dir_2 - v[2].v * dir_0;
     const double m_3_2 = v[1].v * dir_0 - v[0].v * dir_1;
@@ -704,13 +706,13 @@ static inline void krhpr_subleg_rrrr_velocity_tangent(
     const double w_0 = d[2].v * theta_dot[0].v - d[1].v * theta_dot[1].v + m_3_0 * theta_dot[2].v + m_4_0 * theta_dot[3].v;
     const double w_1 = d[0].v * theta_dot[1].v + m_3_1 * theta_dot[2].v + m_4_1 * theta_dot[3].v;
     const double w_2 = m_3_2 * theta_dot[2].v - d[0].v * theta_dot[0].v + m_4_2 * theta_dot[3].v;
-    s_dot[0].v = e_2[0].v * w_2 + g->e_1[0] * w_1 + x[0].v * w_0;
-    s_dot[1].v = e_2[1].v * w_2 + g->e_1[1] * w_1 + x[1].v * w_0;
-    s_dot[2].v = e_2[2].v * w_2 + g->e_1[2] * w_1 + x[2].v * w_0;
+    s_dot[0].v = e_2[0].v * w_2 + g->e_1[0][i] * w_1 + x[0].v * w_0;
+    s_dot[1].v = e_2[1].v * w_2 + g->e_1[1][i] * w_1 + x[1].v * w_0;
+    s_dot[2].v = e_2[2].v * w_2 + g->e_1[2][i] * w_1 + x[2].v * w_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[0] * (d[0].t[k] - v[0].t[k]);
-        const double t2 = g->k[0] * (d[1].t[k] - v[1].t[k]);
-        const double t3 = g->k[0] * (d[2].t[k] - v[2].t[k]);
+        const double t1 = g->k[0][i] * (d[0].t[k] - v[0].t[k]);
+        const double t2 = g->k[0][i] * (d[1].t[k] - v[1].t[k]);
+        const double t3 = g->k[0][i] * (d[2].t[k] - v[2].t[k]);
         const double t4 = e_4[1].v * v[2].t[k] + v[2].v * e_4[1].t[k] - (e_4[2].v * v[1].t[k] + v[1].v * e_4[2].t[k]);
         const double t5 = e_4[2].v * v[0].t[k] + v[0].v * e_4[2].t[k] - (e_4[0].v * v[2].t[k] + v[2].v * e_4[0].t[k]);
         const double t6 = e_4[0].v * v[1].t[k] + v[1].v * e_4[0].t[k] - (e_4[1].v * v[0].t[k] + v[0].v * e_4[1].t[k]);
@@ -723,9 +725,9 @@ static inline void krhpr_subleg_rrrr_velocity_tangent(
         const double t13 = theta_dot[2].v * (dir_0 * v[1].t[k] + v[1].v * t1 - (dir_1 * v[0].t[k] + v[0].v * t2));
         const double t14 = t13 + m_3_2 * theta_dot[2].t[k] - (theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k]);
         const double t15 = t14 + (theta_dot[3].v * t6 + m_4_2 * theta_dot[3].t[k]);
-        const double t16 = w_2 * e_2[0].t[k] + e_2[0].v * t15 + g->e_1[0] * t12 + (w_0 * x[0].t[k] + x[0].v * t9);
-        const double t17 = w_2 * e_2[1].t[k] + e_2[1].v * t15 + g->e_1[1] * t12 + (w_0 * x[1].t[k] + x[1].v * t9);
-        const double t18 = w_2 * e_2[2].t[k] + e_2[2].v * t15 + g->e_1[2] * t12 + (w_0 * x[2].t[k] + x[2].v * t9);
+        const double t16 = w_2 * e_2[0].t[k] + e_2[0].v * t15 + g->e_1[0][i] * t12 + (w_0 * x[0].t[k] + x[0].v * t9);
+        const double t17 = w_2 * e_2[1].t[k] + e_2[1].v * t15 + g->e_1[1][i] * t12 + (w_0 * x[1].t[k] + x[1].v * t9);
+        const double t18 = w_2 * e_2[2].t[k] + e_2[2].v * t15 + g->e_1[2][i] * t12 + (w_0 * x[2].t[k] + x[2].v * t9);
         s_dot[0].t[k] = t16;
         s_dot[1].t[k] = t17;
         s_dot[2].t[k] = t18;
@@ -735,33 +737,33 @@ static inline void krhpr_subleg_rrrr_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (394 add, 550 multiply, 2
  * divide, 1 square root, 3 sine cosine) */
 static inline void krhpr_subleg_rrrr_bias_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias,
     krhpr_dual *KRHPR_RESTRICT swivel_bias)
 {
     double sin_1, cos_1; krhpr_sincos(theta[0].v, &sin_1, &cos_1);
-    const double x_0 = g->e_x[0] * cos_1 - g->e_t[0] * sin_1;
-    const double x_1 = g->e_x[1] * cos_1 - g->e_t[1] * sin_1;
-    const double x_2 = g->e_x[2] * cos_1;
-    const double e_2_0 = g->e_t[0] * cos_1 + g->e_x[0] * sin_1;
-    const double e_2_1 = g->e_t[1] * cos_1 + g->e_x[1] * sin_1;
-    const double e_2_2 = g->e_x[2] * sin_1;
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
+    const double x_0 = g->e_x[0][i] * cos_1 - g->e_t[0][i] * sin_1;
+    const double x_1 = g->e_x[1][i] * cos_1 - g->e_t[1][i] * sin_1;
+    const double x_2 = g->e_x[2][i] * cos_1;
+    const double e_2_0 = g->e_t[0][i] * cos_1 + g->e_x[0][i] * sin_1;
+    const double e_2_1 = g->e_t[1][i] * cos_1 + g->e_x[1][i] * sin_1;
+    const double e_2_2 = g->e_x[2][i] * sin_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
     const double d_0 = x_0 * arm_0 + x_1 * arm_1 + x_2 * arm_2;
-    const double d_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
+    const double d_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
     const double d_2 = e_2_0 * arm_0 + e_2_1 * arm_1 + e_2_2 * arm_2;
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
     double sin_3, cos_3; krhpr_sincos(theta[2].v, &sin_3, &cos_3);
-    const double u_0 = g->l_2 * cos_2;
-    const double u_1 = g->l_2 * sin_2;
+    const double u_0 = g->l_2[i] * cos_2;
+    const double u_1 = g->l_2[i] * sin_2;
     const double e_4_0 = sin_2 * sin_3;
     const double h1 = cos_2 * sin_3;
     const double v_0 = d_0 - u_0;
     const double v_1 = d_1 - u_1;
-    const double dir_0 = (d_0 - v_0) * g->k[0];
-    const double dir_1 = g->k[0] * (d_1 - v_1);
+    const double dir_0 = (d_0 - v_0) * g->k[0][i];
+    const double dir_1 = g->k[0][i] * (d_1 - v_1);
     const double m_3_0 = d_2 * dir_1;
     const double h5 = d_2 * dir_0;
     const double m_3_2 = v_1 * dir_0 - v_0 * dir_1;
@@ -776,9 +778,9 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
     const double h4 = theta_dot[2].v * m_3_2 - theta_dot[0].v * d_0 + theta_dot[3].v * m_4_2;
     const double t1 = theta_dot[1].v * d_0 - theta_dot[2].v * h5 + theta_dot[3].v * m_4_1;
     const double h7 = theta_dot[0].v * d_2 - theta_dot[1].v * d_1 + theta_dot[2].v * m_3_0 - theta_dot[3].v * h6;
-    const double s_dot_0 = e_2_0 * h4 + g->e_1[0] * t1 + x_0 * h7;
-    const double s_dot_1 = e_2_1 * h4 + g->e_1[1] * t1 + x_1 * h7;
-    const double s_dot_2 = e_2_2 * h4 + g->e_1[2] * t1 + x_2 * h7;
+    const double s_dot_0 = e_2_0 * h4 + g->e_1[0][i] * t1 + x_0 * h7;
+    const double s_dot_1 = e_2_1 * h4 + g->e_1[1][i] * t1 + x_1 * h7;
+    const double s_dot_2 = e_2_2 * h4 + g->e_1[2][i] * t1 + x_2 * h7;
     const double h8 = d_2 * lean;
     const double h9 = d_2 + d_1 * h8;
     const double h10 = theta_dot[1].v * h9;
@@ -794,14 +796,14 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
     const double h59 = h2 * h16;
     const double t2 = theta_dot[0].v * sin_1;
     const double t3 = theta_dot[0].v * cos_1;
-    const double h17 = g->e_x[0] * t2 + g->e_t[0] * t3;
-    const double h18 = g->e_x[1] * t2 + g->e_t[1] * t3;
-    const double h19 = g->e_x[2] * t2;
-    const double h20 = g->e_x[0] * t3 - g->e_t[0] * t2;
-    const double h21 = g->e_x[1] * t3 - g->e_t[1] * t2;
-    const double h22 = g->e_x[2] * t3;
+    const double h17 = g->e_x[0][i] * t2 + g->e_t[0][i] * t3;
+    const double h18 = g->e_x[1][i] * t2 + g->e_t[1][i] * t3;
+    const double h19 = g->e_x[2][i] * t2;
+    const double h20 = g->e_x[0][i] * t3 - g->e_t[0][i] * t2;
+    const double h21 = g->e_x[1][i] * t3 - g->e_t[1][i] * t2;
+    const double h22 = g->e_x[2][i] * t3;
     const double h34 = x_0 * s_dot_0 - arm_0 * h17 + (x_1 * s_dot_1 - arm_1 * h18) + (x_2 * s_dot_2 - arm_2 * h19);
-    const double h40 = g->e_1[0] * s_dot_0 + g->e_1[1] * s_dot_1 + g->e_1[2] * s_dot_2;
+    const double h40 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
     const double h26 = arm_0 * h20 + e_2_0 * s_dot_0 + (arm_1 * h21 + e_2_1 * s_dot_1) + (arm_2 * h22 + e_2_2 * s_dot_2);
     const double h25 = theta_dot[1].v * sin_2;
     const double h23 = theta_dot[1].v * cos_2;
@@ -809,10 +811,10 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
     const double h24 = theta_dot[2].v * cos_3;
     const double h33 = sin_3 * h23 + sin_2 * h24;
     const double h31 = cos_2 * h24 - sin_3 * h25;
-    const double h30 = h34 + g->l_2 * h25;
-    const double h29 = h40 - g->l_2 * h23;
-    const double h28 = g->k[0] * (h34 - h30);
-    const double h27 = g->k[0] * (h40 - h29);
+    const double h30 = h34 + g->l_2[i] * h25;
+    const double h29 = h40 - g->l_2[i] * h23;
+    const double h28 = g->k[0][i] * (h34 - h30);
+    const double h27 = g->k[0][i] * (h40 - h29);
     const double h41 = dir_1 * h26 + d_2 * h27;
     const double h38 = dir_0 * h26 + d_2 * h28;
     const double h35 = dir_0 * h29 + v_1 * h28 - (dir_1 * h30 + v_0 * h27);
@@ -842,21 +844,21 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
-    bias[0].v = h4 * h20 + e_2_0 * h37 + g->e_1[0] * t4 + (x_0 * h43 - h7 * h17);
-    bias[1].v = h4 * h21 + e_2_1 * h37 + g->e_1[1] * t4 + (x_1 * h43 - h7 * h18);
-    bias[2].v = h4 * h22 + e_2_2 * h37 + g->e_1[2] * t4 + (x_2 * h43 - h7 * h19);
+    bias[0].v = h4 * h20 + e_2_0 * h37 + g->e_1[0][i] * t4 + (x_0 * h43 - h7 * h17);
+    bias[1].v = h4 * h21 + e_2_1 * h37 + g->e_1[1][i] * t4 + (x_1 * h43 - h7 * h18);
+    bias[2].v = h4 * h22 + e_2_2 * h37 + g->e_1[2][i] * t4 + (x_2 * h43 - h7 * h19);
     swivel_bias[0].v = h2 * h52 + h2 * h56 + h2 * h60;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t8 = sin_1 * theta[0].t[k];
         const double t9 = cos_1 * theta[0].t[k];
-        const double t10 = g->e_x[0] * t8 + g->e_t[0] * t9;
-        const double t11 = g->e_x[1] * t8 + g->e_t[1] * t9;
-        const double t12 = g->e_x[2] * t8;
-        const double t13 = g->e_x[0] * t9 - g->e_t[0] * t8;
-        const double t14 = g->e_x[1] * t9 - g->e_t[1] * t8;
-        const double t15 = g->e_x[2] * t9;
+        const double t10 = g->e_x[0][i] * t8 + g->e_t[0][i] * t9;
+        const double t11 = g->e_x[1][i] * t8 + g->e_t[1][i] * t9;
+        const double t12 = g->e_x[2][i] * t8;
+        const double t13 = g->e_x[0][i] * t9 - g->e_t[0][i] * t8;
+        const double t14 = g->e_x[1][i] * t9 - g->e_t[1][i] * t8;
+        const double t15 = g->e_x[2][i] * t9;
         const double t16 = x_0 * s[0].t[k] - arm_0 * t10 + (x_1 * s[1].t[k] - arm_1 * t11) + (x_2 * s[2].t[k] - arm_2 * t12);
-        const double t17 = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
+        const double t17 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t18 = arm_0 * t13 + e_2_0 * s[0].t[k] + (arm_1 * t14 + e_2_1 * s[1].t[k]) + (arm_2 * t15 + e_2_2 * s[2].t[k]);
         const double t19 = sin_2 * theta[1].t[k];
         const double t20 = cos_2 * theta[1].t[k];
@@ -864,10 +866,10 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
         const double t22 = cos_3 * theta[2].t[k];
         const double t23 = sin_3 * t20 + sin_2 * t22;
         const double t24 = cos_2 * t22 - sin_3 * t19;
-        const double t25 = t16 + g->l_2 * t19;
-        const double t26 = t17 - g->l_2 * t20;
-        const double t27 = g->k[0] * (t16 - t25);
-        const double t28 = g->k[0] * (t17 - t26);
+        const double t25 = t16 + g->l_2[i] * t19;
+        const double t26 = t17 - g->l_2[i] * t20;
+        const double t27 = g->k[0][i] * (t16 - t25);
+        const double t28 = g->k[0][i] * (t17 - t26);
         const double t29 = dir_1 * t18 + d_2 * t28;
         const double t30 = dir_0 * t26 + v_1 * t27 - (dir_1 * t25 + v_0 * t28);
         const double t31 = h1 * t18 + d_2 * t24 + (cos_3 * t26 - v_1 * t21);
@@ -885,9 +887,9 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
         const double t43 = t41 + t42;
         const double t44 = d_2 * theta_dot[0].t[k] + theta_dot[0].v * t18 - (d_1 * theta_dot[1].t[k] + theta_dot[1].v * t17);
         const double t45 = t44 + (m_3_0 * theta_dot[2].t[k] + theta_dot[2].v * t29) - (h6 * theta_dot[3].t[k] + theta_dot[3].v * t31);
-        const double t46 = h4 * t13 + e_2_0 * t40 + g->e_1[0] * t43 + (x_0 * t45 - h7 * t10);
-        const double t47 = h4 * t14 + e_2_1 * t40 + g->e_1[1] * t43 + (x_1 * t45 - h7 * t11);
-        const double t48 = h4 * t15 + e_2_2 * t40 + g->e_1[2] * t43 + (x_2 * t45 - h7 * t12);
+        const double t46 = h4 * t13 + e_2_0 * t40 + g->e_1[0][i] * t43 + (x_0 * t45 - h7 * t10);
+        const double t47 = h4 * t14 + e_2_1 * t40 + g->e_1[1][i] * t43 + (x_1 * t45 - h7 * t11);
+        const double t48 = h4 * t15 + e_2_2 * t40 + g->e_1[2][i] * t43 + (x_2 * t45 - h7 * t12);
         const double t49 = lean * t18 + d_2 * t38;
         const double t50 = h2 * (h2 * (h2 * (0.5 * (t35 + (t36 + t36)))));
         const double t51 = h2 * (h9 * theta_dot[1].t[k] + theta_dot[1].v * (t18 + (h8 * t17 + d_1 * t49)));
@@ -897,15 +899,15 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
         const double t55 = h6 * t18 + d_2 * t31 + (m_4_2 * t16 + d_0 * t32);
         const double t56 = sin_1 * theta_dot[0].t[k] + theta_dot[0].v * t9;
         const double t57 = cos_1 * theta_dot[0].t[k] - theta_dot[0].v * t8;
-        const double t58 = g->e_x[0] * t56 + g->e_t[0] * t57;
-        const double t59 = g->e_x[1] * t56 + g->e_t[1] * t57;
-        const double t60 = g->e_x[2] * t56;
-        const double t61 = g->e_x[0] * t57 - g->e_t[0] * t56;
-        const double t62 = g->e_x[1] * t57 - g->e_t[1] * t56;
-        const double t63 = g->e_x[2] * t57;
+        const double t58 = g->e_x[0][i] * t56 + g->e_t[0][i] * t57;
+        const double t59 = g->e_x[1][i] * t56 + g->e_t[1][i] * t57;
+        const double t60 = g->e_x[2][i] * t56;
+        const double t61 = g->e_x[0][i] * t57 - g->e_t[0][i] * t56;
+        const double t62 = g->e_x[1][i] * t57 - g->e_t[1][i] * t56;
+        const double t63 = g->e_x[2][i] * t57;
         const double t64 = x_0 * t46 - s_dot_0 * t10 - (h17 * s[0].t[k] + arm_0 * t58) + (x_1 * t47 - s_dot_1 * t11 - (h18 * s[1].t[k] + arm_1 * t59));
         const double t65 = t64 + (x_2 * t48 - s_dot_2 * t12 - (h19 * s[2].t[k] + arm_2 * t60));
-        const double t66 = g->e_1[0] * t46 + g->e_1[1] * t47 + g->e_1[2] * t48;
+        const double t66 = g->e_1[0][i] * t46 + g->e_1[1][i] * t47 + g->e_1[2][i] * t48;
         const double t67 = h20 * s[0].t[k] + arm_0 * t61 + (s_dot_0 * t13 + e_2_0 * t46) + (h21 * s[1].t[k] + arm_1 * t62 + (s_dot_1 * t14 + e_2_1 * t47));
         const double t68 = t67 + (h22 * s[2].t[k] + arm_2 * t63 + (s_dot_2 * t15 + e_2_2 * t48));
         const double t69 = sin_2 * theta_dot[1].t[k] + theta_dot[1].v * t20;
@@ -914,10 +916,10 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
         const double t72 = cos_3 * theta_dot[2].t[k] - theta_dot[2].v * t21;
         const double t73 = h23 * t22 + sin_3 * t70 + (h24 * t20 + sin_2 * t72);
         const double t74 = cos_2 * t72 - h24 * t19 - (h25 * t22 + sin_3 * t69);
-        const double t75 = t65 + g->l_2 * t69;
-        const double t76 = t66 - g->l_2 * t70;
-        const double t77 = g->k[0] * (t65 - t75);
-        const double t78 = g->k[0] * (t66 - t76);
+        const double t75 = t65 + g->l_2[i] * t69;
+        const double t76 = t66 - g->l_2[i] * t70;
+        const double t77 = g->k[0][i] * (t65 - t75);
+        const double t78 = g->k[0][i] * (t66 - t76);
         const double t79 = h26 * t28 + dir_1 * t68 + (h27 * t18 + d_2 * t78);
         const double t80 = h29 * t27 + dir_0 * t76 + (h28 * t26 + v_1 * t77) - (h30 * t28 + dir_1 * t75 + (h27 * t25 + v_0 * t78));
         const double t81 = h26 * t24 + h1 * t68 + (h31 * t18 + d_2 * t74) + (cos_3 * t76 - h29 * t21 - (h32 * t26 + v_1 * t71));
@@ -929,9 +931,9 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
         const double t87 = h34 * theta_dot[1].t[k] + theta_dot[1].v * t65 - t86 + (h39 * theta_dot[3].t[k] + theta_dot[3].v * t82);
         const double t88 = h26 * theta_dot[0].t[k] + theta_dot[0].v * t68 - (h40 * theta_dot[1].t[k] + theta_dot[1].v * t66);
         const double t89 = t88 + (h41 * theta_dot[2].t[k] + theta_dot[2].v * t79) - (h42 * theta_dot[3].t[k] + theta_dot[3].v * t81);
-        const double t90 = h20 * t40 + h4 * t61 + (h37 * t13 + e_2_0 * t85) + g->e_1[0] * t87 + (x_0 * t89 - h43 * t10 - (h17 * t45 + h7 * t58));
-        const double t91 = h21 * t40 + h4 * t62 + (h37 * t14 + e_2_1 * t85) + g->e_1[1] * t87 + (x_1 * t89 - h43 * t11 - (h18 * t45 + h7 * t59));
-        const double t92 = h22 * t40 + h4 * t63 + (h37 * t15 + e_2_2 * t85) + g->e_1[2] * t87 + (x_2 * t89 - h43 * t12 - (h19 * t45 + h7 * t60));
+        const double t90 = h20 * t40 + h4 * t61 + (h37 * t13 + e_2_0 * t85) + g->e_1[0][i] * t87 + (x_0 * t89 - h43 * t10 - (h17 * t45 + h7 * t58));
+        const double t91 = h21 * t40 + h4 * t62 + (h37 * t14 + e_2_1 * t85) + g->e_1[1][i] * t87 + (x_1 * t89 - h43 * t11 - (h18 * t45 + h7 * t59));
+        const double t92 = h22 * t40 + h4 * t63 + (h37 * t15 + e_2_2 * t85) + g->e_1[2][i] * t87 + (x_2 * t89 - h43 * t12 - (h19 * t45 + h7 * t60));
         const double t93 = h34 * t16 + d_0 * t65;
         const double t94 = h26 * t18 + d_2 * t68;
         const double t95 = t93 + t93 + (t94 + t94);
@@ -960,14 +962,14 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (116 add,
  * 162 multiply, 8 divide, 1 square root) */
 static inline void krhpr_subleg_rrrr_rates_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *d,
-    const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *s_dot, const krhpr_dual *swivel_rates,
-    krhpr_dual *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *s_dot,
+    const krhpr_dual *swivel_rates, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     const double h5 = d[0].v - v[0].v;
-    const double dir_0 = h5 * g->k[0];
+    const double dir_0 = h5 * g->k[0][i];
     const double h2 = d[1].v - v[1].v;
-    const double dir_1 = g->k[0] * h2;
+    const double dir_1 = g->k[0][i] * h2;
     const double h3 = d[2].v - v[2].v;
     const double m_4_0 = v[2].v * e_4[1].v - v[1].v * e_4[2].v;
     const double m_4_1 = v[0].v * e_4[2].v - v[2].v * e_4[0].v;
@@ -978,11 +980,11 @@ static inline void krhpr_subleg_rrrr_rates_tangent(
     const double h4 = v[2].v * h2 - v[1].v * h3;
     const double h6 = v[0].v * h3 - v[2].v * h5;
     const double h7 = v[1].v * h5 - v[0].v * h2;
-    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[7];
+    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[7][i];
     const double v_l_0 = x[0].v * s_dot[0].v + x[1].v * s_dot[1].v + x[2].v * s_dot[2].v;
-    const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
+    const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = e_2[0].v * s_dot[0].v + e_2[1].v * s_dot[1].v + e_2[2].v * s_dot[2].v;
-    const double t1 = g->k[6] * sin_4;
+    const double t1 = g->k[6][i] * sin_4;
     const double h8 = (d[0].v * v_l_0 + d[1].v * v_l_1 + d[2].v * v_l_2) / t1;
     const double rate_4 = -h8;
     const double turned_0 = v_l_0 + m_4_0 * h8;
@@ -1024,11 +1026,11 @@ static inline void krhpr_subleg_rrrr_rates_tangent(
         const double t15 = h7 * e_4[2].t[k] + e_4[2].v * (h5 * v[1].t[k] + v[1].v * t2 - (h2 * v[0].t[k] + v[0].v * t3));
         const double t16 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
         const double t17 = t16 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
-        const double t18 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t18 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         const double t19 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
         const double t20 = t19 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]);
         const double t21 = v_l_0 * d[0].t[k] + d[0].v * t17 + (v_l_1 * d[1].t[k] + d[1].v * t18) + (v_l_2 * d[2].t[k] + d[2].v * t20);
-        const double t22 = h9 * (t21 - h8 * (g->k[6] * (g->k[7] * (t13 + t14 + t15))));
+        const double t22 = h9 * (t21 - h8 * (g->k[6][i] * (g->k[7][i] * (t13 + t14 + t15))));
         const double t23 = t17 + (h8 * t5 + m_4_0 * t22);
         const double t24 = t18 + (h8 * t6 + m_4_1 * t22);
         const double t25 = t20 + (h8 * t7 + m_4_2 * t22);
@@ -1038,8 +1040,8 @@ static inline void krhpr_subleg_rrrr_rates_tangent(
         const double t29 = h13 * (h13 * t12);
         const double t30 = about * d[1].t[k] + d[1].v * t27 + (turned_0 * d[2].t[k] + d[2].v * t23) - (turned_2 * d[0].t[k] + d[0].v * t25);
         const double t31 = about * d[2].t[k] + d[2].v * t27 + (turned_1 * d[0].t[k] + d[0].v * t24) - (turned_0 * d[1].t[k] + d[1].v * t23);
-        const double t32 = h17 * (h13 * t28 - h14 * t29 - rate_3 * (g->k[0] * t2));
-        theta_dot[0].t[k] = h13 * t30 - h15 * t29 - (rate_3 * (g->k[0] * t3) + dir_1 * t32);
+        const double t32 = h17 * (h13 * t28 - h14 * t29 - rate_3 * (g->k[0][i] * t2));
+        theta_dot[0].t[k] = h13 * t30 - h15 * t29 - (rate_3 * (g->k[0][i] * t3) + dir_1 * t32);
         theta_dot[1].t[k] = h13 * t31 - h16 * t29;
         theta_dot[2].t[k] = t32;
         theta_dot[3].t[k] = -t22;
@@ -1049,15 +1051,15 @@ static inline void krhpr_subleg_rrrr_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (103
  * add, 152 multiply, 3 divide, 3 square root) */
 static inline void krhpr_subleg_rrrr_determinant_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4,
-    krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v,
+    const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double h5 = d[0].v - v[0].v;
-    const double dir_0 = h5 * g->k[0];
+    const double dir_0 = h5 * g->k[0][i];
     const double h2 = d[1].v - v[1].v;
-    const double dir_1 = g->k[0] * h2;
+    const double dir_1 = g->k[0][i] * h2;
     const double h3 = d[2].v - v[2].v;
-    const double dir_2 = g->k[0] * h3;
+    const double dir_2 = g->k[0][i] * h3;
     const double m_3_0 = v[2].v * dir_1 - v[1].v * dir_2;
     const double m_3_1 = v[0].v * dir_2 - v[2].v * dir_0;
     const double m_3_2 = v[1].v * dir_0 - v[0].v * dir_1;
@@ -1071,7 +1073,7 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
     const double h4 = v[2].v * h2 - v[1].v * h3;
     const double h6 = v[0].v * h3 - v[2].v * h5;
     const double h7 = v[1].v * h5 - v[0].v * h2;
-    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[7];
+    const double sin_4 = (e_4[0].v * h4 + e_4[1].v * h6 + e_4[2].v * h7) * g->k[7][i];
     const double r = sqrt(r2);
     const double h9 = d[0].v * d[2].v;
     const double h10 = d[0].v * d[1].v;
@@ -1090,15 +1092,15 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
     det_M[0].v = det_M_a;
     factors[0].v = dir_0;
     factors[1].v = sin_4;
-    factors[2].v = distance * g->k[8];
-    factors[3].v = r * g->k[8];
+    factors[2].v = distance * g->k[8][i];
+    factors[3].v = r * g->k[8][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - v[0].t[k];
-        const double t2 = g->k[0] * t1;
+        const double t2 = g->k[0][i] * t1;
         const double t3 = d[1].t[k] - v[1].t[k];
-        const double t4 = g->k[0] * t3;
+        const double t4 = g->k[0][i] * t3;
         const double t5 = d[2].t[k] - v[2].t[k];
-        const double t6 = g->k[0] * t5;
+        const double t6 = g->k[0][i] * t5;
         const double t7 = dir_1 * v[2].t[k] + v[2].v * t4 - (dir_2 * v[1].t[k] + v[1].v * t6);
         const double t8 = dir_2 * v[0].t[k] + v[0].v * t6 - (dir_0 * v[2].t[k] + v[2].v * t2);
         const double t9 = dir_0 * v[1].t[k] + v[1].v * t2 - (dir_1 * v[0].t[k] + v[0].v * t4);
@@ -1125,81 +1127,81 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
         const double t30 = minor_3 * (t26 - (h13 * t12 + m_4_2 * t24));
         det_M[0].t[k] = h16 * (0.5 * (t27 + t27 + (t28 + t28) + (t29 + t29) + (t30 + t30)));
         factors[0].t[k] = t2;
-        factors[1].t[k] = g->k[7] * (t18 + t19 + t20);
-        factors[2].t[k] = g->k[8] * (h1 * (0.5 * (t16 + (t17 + t17))));
-        factors[3].t[k] = g->k[8] * (h8 * (0.5 * t16));
+        factors[1].t[k] = g->k[7][i] * (t18 + t19 + t20);
+        factors[2].t[k] = g->k[8][i] * (h1 * (0.5 * (t16 + (t17 + t17))));
+        factors[3].t[k] = g->k[8][i] * (h8 * (0.5 * t16));
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 96 multiply) */
 static inline void krhpr_subleg_rrrr_passive_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *v,
-    const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *v, const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double dir_0 = v[0].v * g->k[9];
-    const double dir_1 = v[1].v * g->k[9];
-    const double dir_2 = v[2].v * g->k[9];
+    const double dir_0 = v[0].v * g->k[9][i];
+    const double dir_1 = v[1].v * g->k[9][i];
+    const double dir_2 = v[2].v * g->k[9][i];
     const double across_0 = e_4[1].v * dir_2 - e_4[2].v * dir_1;
     const double across_1 = e_4[2].v * dir_0 - e_4[0].v * dir_2;
     const double across_2 = e_4[0].v * dir_1 - e_4[1].v * dir_0;
-    link[0].v = x[0].v * dir_0 + g->e_1[0] * dir_1 + e_2[0].v * dir_2;
-    link[1].v = x[0].v * across_0 + g->e_1[0] * across_1 + e_2[0].v * across_2;
-    link[2].v = e_2[0].v * e_4[2].v + x[0].v * e_4[0].v + g->e_1[0] * e_4[1].v;
-    link[3].v = x[1].v * dir_0 + g->e_1[1] * dir_1 + e_2[1].v * dir_2;
-    link[4].v = x[1].v * across_0 + g->e_1[1] * across_1 + e_2[1].v * across_2;
-    link[5].v = e_2[1].v * e_4[2].v + x[1].v * e_4[0].v + g->e_1[1] * e_4[1].v;
-    link[6].v = x[2].v * dir_0 + g->e_1[2] * dir_1 + e_2[2].v * dir_2;
-    link[7].v = x[2].v * across_0 + g->e_1[2] * across_1 + e_2[2].v * across_2;
-    link[8].v = e_2[2].v * e_4[2].v + x[2].v * e_4[0].v + g->e_1[2] * e_4[1].v;
+    link[0].v = x[0].v * dir_0 + g->e_1[0][i] * dir_1 + e_2[0].v * dir_2;
+    link[1].v = x[0].v * across_0 + g->e_1[0][i] * across_1 + e_2[0].v * across_2;
+    link[2].v = e_2[0].v * e_4[2].v + x[0].v * e_4[0].v + g->e_1[0][i] * e_4[1].v;
+    link[3].v = x[1].v * dir_0 + g->e_1[1][i] * dir_1 + e_2[1].v * dir_2;
+    link[4].v = x[1].v * across_0 + g->e_1[1][i] * across_1 + e_2[1].v * across_2;
+    link[5].v = e_2[1].v * e_4[2].v + x[1].v * e_4[0].v + g->e_1[1][i] * e_4[1].v;
+    link[6].v = x[2].v * dir_0 + g->e_1[2][i] * dir_1 + e_2[2].v * dir_2;
+    link[7].v = x[2].v * across_0 + g->e_1[2][i] * across_1 + e_2[2].v * across_2;
+    link[8].v = e_2[2].v * e_4[2].v + x[2].v * e_4[0].v + g->e_1[2][i] * e_4[1].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->k[9] * v[0].t[k];
-        const double t2 = g->k[9] * v[1].t[k];
-        const double t3 = g->k[9] * v[2].t[k];
+        const double t1 = g->k[9][i] * v[0].t[k];
+        const double t2 = g->k[9][i] * v[1].t[k];
+        const double t3 = g->k[9][i] * v[2].t[k];
         const double t4 = dir_2 * e_4[1].t[k] + e_4[1].v * t3 - (dir_1 * e_4[2].t[k] + e_4[2].v * t2);
         const double t5 = dir_0 * e_4[2].t[k] + e_4[2].v * t1 - (dir_2 * e_4[0].t[k] + e_4[0].v * t3);
         const double t6 = dir_1 * e_4[0].t[k] + e_4[0].v * t2 - (dir_0 * e_4[1].t[k] + e_4[1].v * t1);
-        const double t7 = dir_0 * x[0].t[k] + x[0].v * t1 + g->e_1[0] * t2 + (dir_2 * e_2[0].t[k] + e_2[0].v * t3);
-        const double t8 = across_0 * x[0].t[k] + x[0].v * t4 + g->e_1[0] * t5 + (across_2 * e_2[0].t[k] + e_2[0].v * t6);
+        const double t7 = dir_0 * x[0].t[k] + x[0].v * t1 + g->e_1[0][i] * t2 + (dir_2 * e_2[0].t[k] + e_2[0].v * t3);
+        const double t8 = across_0 * x[0].t[k] + x[0].v * t4 + g->e_1[0][i] * t5 + (across_2 * e_2[0].t[k] + e_2[0].v * t6);
         const double t9 = e_4[2].v * e_2[0].t[k] + e_2[0].v * e_4[2].t[k] + (e_4[0].v * x[0].t[k] + x[0].v * e_4[0].t[k]);
-        const double t10 = dir_0 * x[1].t[k] + x[1].v * t1 + g->e_1[1] * t2 + (dir_2 * e_2[1].t[k] + e_2[1].v * t3);
-        const double t11 = across_0 * x[1].t[k] + x[1].v * t4 + g->e_1[1] * t5 + (across_2 * e_2[1].t[k] + e_2[1].v * t6);
+        const double t10 = dir_0 * x[1].t[k] + x[1].v * t1 + g->e_1[1][i] * t2 + (dir_2 * e_2[1].t[k] + e_2[1].v * t3);
+        const double t11 = across_0 * x[1].t[k] + x[1].v * t4 + g->e_1[1][i] * t5 + (across_2 * e_2[1].t[k] + e_2[1].v * t6);
         const double t12 = e_4[2].v * e_2[1].t[k] + e_2[1].v * e_4[2].t[k] + (e_4[0].v * x[1].t[k] + x[1].v * e_4[0].t[k]);
-        const double t13 = dir_0 * x[2].t[k] + x[2].v * t1 + g->e_1[2] * t2 + (dir_2 * e_2[2].t[k] + e_2[2].v * t3);
-        const double t14 = across_0 * x[2].t[k] + x[2].v * t4 + g->e_1[2] * t5 + (across_2 * e_2[2].t[k] + e_2[2].v * t6);
+        const double t13 = dir_0 * x[2].t[k] + x[2].v * t1 + g->e_1[2][i] * t2 + (dir_2 * e_2[2].t[k] + e_2[2].v * t3);
+        const double t14 = across_0 * x[2].t[k] + x[2].v * t4 + g->e_1[2][i] * t5 + (across_2 * e_2[2].t[k] + e_2[2].v * t6);
         const double t15 = e_4[2].v * e_2[2].t[k] + e_2[2].v * e_4[2].t[k] + (e_4[0].v * x[2].t[k] + x[2].v * e_4[0].t[k]);
         link[0].t[k] = t7;
         link[1].t[k] = t8;
-        link[2].t[k] = t9 + g->e_1[0] * e_4[1].t[k];
+        link[2].t[k] = t9 + g->e_1[0][i] * e_4[1].t[k];
         link[3].t[k] = t10;
         link[4].t[k] = t11;
-        link[5].t[k] = t12 + g->e_1[1] * e_4[1].t[k];
+        link[5].t[k] = t12 + g->e_1[1][i] * e_4[1].t[k];
         link[6].t[k] = t13;
         link[7].t[k] = t14;
-        link[8].t[k] = t15 + g->e_1[2] * e_4[1].t[k];
+        link[8].t[k] = t15 + g->e_1[2][i] * e_4[1].t[k];
     }
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (24 add, 24 multiply) */
 static inline void krhpr_subleg_rrrr_points_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *x, const krhpr_dual *e_2, const krhpr_dual *v,
-    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *v, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->k[10];
-    points[1].v = g->k[11];
-    points[2].v = g->k[12];
-    points[3].v = g->c[0];
-    points[4].v = g->c[1];
-    points[5].v = g->c[2];
-    points[6].v = s[0].v - e_2[0].v * v[2].v - g->e_1[0] * v[1].v - x[0].v * v[0].v;
-    points[7].v = s[1].v - e_2[1].v * v[2].v - g->e_1[1] * v[1].v - x[1].v * v[0].v;
-    points[8].v = s[2].v - e_2[2].v * v[2].v - g->e_1[2] * v[1].v - x[2].v * v[0].v;
+    points[0].v = g->k[10][i];
+    points[1].v = g->k[11][i];
+    points[2].v = g->k[12][i];
+    points[3].v = g->c[0][i];
+    points[4].v = g->c[1][i];
+    points[5].v = g->c[2][i];
+    points[6].v = s[0].v - e_2[0].v * v[2].v - g->e_1[0][i] * v[1].v - x[0].v * v[0].v;
+    points[7].v = s[1].v - e_2[1].v * v[2].v - g->e_1[1][i] * v[1].v - x[1].v * v[0].v;
+    points[8].v = s[2].v - e_2[2].v * v[2].v - g->e_1[2][i] * v[1].v - x[2].v * v[0].v;
     points[9].v = s[0].v;
     points[10].v = s[1].v;
     points[11].v = s[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = s[0].t[k] - (v[2].v * e_2[0].t[k] + e_2[0].v * v[2].t[k]) - g->e_1[0] * v[1].t[k];
-        const double t2 = s[1].t[k] - (v[2].v * e_2[1].t[k] + e_2[1].v * v[2].t[k]) - g->e_1[1] * v[1].t[k];
-        const double t3 = s[2].t[k] - (v[2].v * e_2[2].t[k] + e_2[2].v * v[2].t[k]) - g->e_1[2] * v[1].t[k];
+        const double t1 = s[0].t[k] - (v[2].v * e_2[0].t[k] + e_2[0].v * v[2].t[k]) - g->e_1[0][i] * v[1].t[k];
+        const double t2 = s[1].t[k] - (v[2].v * e_2[1].t[k] + e_2[1].v * v[2].t[k]) - g->e_1[1][i] * v[1].t[k];
+        const double t3 = s[2].t[k] - (v[2].v * e_2[2].t[k] + e_2[2].v * v[2].t[k]) - g->e_1[2][i] * v[1].t[k];
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
@@ -1218,10 +1220,11 @@ static inline void krhpr_subleg_rrrr_points_tangent(
 /* `swivel` with the derivatives of its outputs along directions of its inputs.  (31 add, 36 multiply, 4
  * divide, 1 square root, 1 arctangent) */
 static inline void krhpr_subleg_rrrr_swivel_tangent(
-    const krhpr_subleg_rrrr_geometry *g, const krhpr_dual *d, const krhpr_dual *v,
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v,
     krhpr_dual *KRHPR_RESTRICT swivel)
 {
     (void)(g);
+    (void)(i);
     const double r2 = d[0].v * d[0].v + d[2].v * d[2].v;
     const double d2 = r2 + d[1].v * d[1].v;
     const double distance = sqrt(d2);

@@ -13,42 +13,42 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (13 add, 16
  * multiply) */
 static inline void krhpr_subleg_tripteron_forward_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
-    const double s_0 = g->c[0] + g->e_1[0] * theta[1].v + g->e_t[0] * theta[2].v + g->e_x[0] * theta[0].v;
-    const double s_1 = g->c[1] + g->e_1[1] * theta[1].v + g->e_t[1] * theta[2].v + g->e_x[1] * theta[0].v;
+    const double s_0 = g->c[0][i] + g->e_1[0][i] * theta[1].v + g->e_t[0][i] * theta[2].v + g->e_x[0][i] * theta[0].v;
+    const double s_1 = g->c[1][i] + g->e_1[1][i] * theta[1].v + g->e_t[1][i] * theta[2].v + g->e_x[1][i] * theta[0].v;
     s[0].v = s_0;
     s[1].v = s_1;
-    s[2].v = g->c[2] + g->e_1[2] * theta[1].v + g->e_x[2] * theta[0].v;
+    s[2].v = g->c[2][i] + g->e_1[2][i] * theta[1].v + g->e_x[2][i] * theta[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_1[0] * theta[1].t[k] + g->e_t[0] * theta[2].t[k] + g->e_x[0] * theta[0].t[k];
-        const double t2 = g->e_1[1] * theta[1].t[k] + g->e_t[1] * theta[2].t[k] + g->e_x[1] * theta[0].t[k];
+        const double t1 = g->e_1[0][i] * theta[1].t[k] + g->e_t[0][i] * theta[2].t[k] + g->e_x[0][i] * theta[0].t[k];
+        const double t2 = g->e_1[1][i] * theta[1].t[k] + g->e_t[1][i] * theta[2].t[k] + g->e_x[1][i] * theta[0].t[k];
         s[0].t[k] = t1;
         s[1].t[k] = t2;
-        s[2].t[k] = g->e_1[2] * theta[1].t[k] + g->e_x[2] * theta[0].t[k];
+        s[2].t[k] = g->e_1[2][i] * theta[1].t[k] + g->e_x[2][i] * theta[0].t[k];
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (13
  * add, 16 multiply) */
 static inline void krhpr_subleg_tripteron_forward_posture_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT rho)
 {
-    const double s_0 = g->c[0] + g->e_1[0] * theta[1].v + g->e_t[0] * theta[2].v + g->e_x[0] * theta[0].v;
-    const double s_1 = g->c[1] + g->e_1[1] * theta[1].v + g->e_t[1] * theta[2].v + g->e_x[1] * theta[0].v;
+    const double s_0 = g->c[0][i] + g->e_1[0][i] * theta[1].v + g->e_t[0][i] * theta[2].v + g->e_x[0][i] * theta[0].v;
+    const double s_1 = g->c[1][i] + g->e_1[1][i] * theta[1].v + g->e_t[1][i] * theta[2].v + g->e_x[1][i] * theta[0].v;
     s[0].v = s_0;
     s[1].v = s_1;
-    s[2].v = g->c[2] + g->e_1[2] * theta[1].v + g->e_x[2] * theta[0].v;
+    s[2].v = g->c[2][i] + g->e_1[2][i] * theta[1].v + g->e_x[2][i] * theta[0].v;
     rho[0].v = theta[0].v;
     rho[1].v = theta[1].v;
     rho[2].v = theta[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_1[0] * theta[1].t[k] + g->e_t[0] * theta[2].t[k] + g->e_x[0] * theta[0].t[k];
-        const double t2 = g->e_1[1] * theta[1].t[k] + g->e_t[1] * theta[2].t[k] + g->e_x[1] * theta[0].t[k];
+        const double t1 = g->e_1[0][i] * theta[1].t[k] + g->e_t[0][i] * theta[2].t[k] + g->e_x[0][i] * theta[0].t[k];
+        const double t2 = g->e_1[1][i] * theta[1].t[k] + g->e_t[1][i] * theta[2].t[k] + g->e_x[1][i] * theta[0].t[k];
         s[0].t[k] = t1;
         s[1].t[k] = t2;
-        s[2].t[k] = g->e_1[2] * theta[1].t[k] + g->e_x[2] * theta[0].t[k];
+        s[2].t[k] = g->e_1[2][i] * theta[1].t[k] + g->e_x[2][i] * theta[0].t[k];
         rho[0].t[k] = theta[0].t[k];
         rho[1].t[k] = theta[1].t[k];
         rho[2].t[k] = theta[2].t[k];
@@ -58,52 +58,53 @@ static inline void krhpr_subleg_tripteron_forward_posture_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (13 add,
  * 16 multiply) */
 static inline void krhpr_subleg_tripteron_inverse_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double rho_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double rho_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double rho_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double rho_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double rho_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double rho_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     theta[0].v = rho_0;
     theta[1].v = rho_1;
     theta[2].v = rho_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        theta[0].t[k] = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        theta[1].t[k] = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
-        theta[2].t[k] = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        theta[0].t[k] = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        theta[1].t[k] = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        theta[2].t[k] = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
     }
 }
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (13
  * add, 16 multiply) */
 static inline void krhpr_subleg_tripteron_inverse_all_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
-    const double arm_0 = s[0].v - g->c[0];
-    const double arm_1 = s[1].v - g->c[1];
-    const double arm_2 = s[2].v - g->c[2];
-    const double rho_0 = g->e_x[0] * arm_0 + g->e_x[1] * arm_1 + g->e_x[2] * arm_2;
-    const double rho_1 = g->e_1[0] * arm_0 + g->e_1[1] * arm_1 + g->e_1[2] * arm_2;
-    const double rho_2 = g->e_t[0] * arm_0 + g->e_t[1] * arm_1;
+    const double arm_0 = s[0].v - g->c[0][i];
+    const double arm_1 = s[1].v - g->c[1][i];
+    const double arm_2 = s[2].v - g->c[2][i];
+    const double rho_0 = g->e_x[0][i] * arm_0 + g->e_x[1][i] * arm_1 + g->e_x[2][i] * arm_2;
+    const double rho_1 = g->e_1[0][i] * arm_0 + g->e_1[1][i] * arm_1 + g->e_1[2][i] * arm_2;
+    const double rho_2 = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
     theta[0].v = rho_0;
     theta[1].v = rho_1;
     theta[2].v = rho_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        theta[0].t[k] = g->e_x[0] * s[0].t[k] + g->e_x[1] * s[1].t[k] + g->e_x[2] * s[2].t[k];
-        theta[1].t[k] = g->e_1[0] * s[0].t[k] + g->e_1[1] * s[1].t[k] + g->e_1[2] * s[2].t[k];
-        theta[2].t[k] = g->e_t[0] * s[0].t[k] + g->e_t[1] * s[1].t[k];
+        theta[0].t[k] = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        theta[1].t[k] = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        theta[2].t[k] = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
     }
 }
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (no operations) */
 static inline void krhpr_subleg_tripteron_posture_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT rho)
 {
     (void)(g);
+    (void)(i);
     (void)(s);
     rho[0].v = theta[0].v;
     rho[1].v = theta[1].v;
@@ -118,16 +119,16 @@ static inline void krhpr_subleg_tripteron_posture_tangent(
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
 static inline void krhpr_subleg_tripteron_jacobian_tangent(
-    const krhpr_subleg_tripteron_geometry *g, krhpr_dual *KRHPR_RESTRICT M)
+    const krhpr_subleg_tripteron_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT M)
 {
-    M[0].v = g->e_x[0];
-    M[1].v = g->e_1[0];
-    M[2].v = g->e_t[0];
-    M[3].v = g->e_x[1];
-    M[4].v = g->e_1[1];
-    M[5].v = g->e_t[1];
-    M[6].v = g->e_x[2];
-    M[7].v = g->e_1[2];
+    M[0].v = g->e_x[0][i];
+    M[1].v = g->e_1[0][i];
+    M[2].v = g->e_t[0][i];
+    M[3].v = g->e_x[1][i];
+    M[4].v = g->e_1[1][i];
+    M[5].v = g->e_t[1][i];
+    M[6].v = g->e_x[2][i];
+    M[7].v = g->e_1[2][i];
     M[8].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         M[0].t[k] = 0.0;
@@ -145,14 +146,14 @@ static inline void krhpr_subleg_tripteron_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (20 add, 32 multiply) */
 static inline void krhpr_subleg_tripteron_project_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
-    const double n_00 = g->e_x[0] * N[0].v + g->e_x[1] * N[1].v + g->e_x[2] * N[2].v;
-    const double n_01 = g->e_1[0] * N[0].v + g->e_1[1] * N[1].v + g->e_1[2] * N[2].v;
-    const double n_02 = g->e_t[0] * N[0].v + g->e_t[1] * N[1].v;
-    const double n_10 = g->e_x[0] * N[3].v + g->e_x[1] * N[4].v + g->e_x[2] * N[5].v;
-    const double n_11 = g->e_1[0] * N[3].v + g->e_1[1] * N[4].v + g->e_1[2] * N[5].v;
-    const double n_12 = g->e_t[0] * N[3].v + g->e_t[1] * N[4].v;
+    const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = g->e_t[0][i] * N[0].v + g->e_t[1][i] * N[1].v;
+    const double n_10 = g->e_x[0][i] * N[3].v + g->e_x[1][i] * N[4].v + g->e_x[2][i] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = g->e_t[0][i] * N[3].v + g->e_t[1][i] * N[4].v;
     K[0].v = n_00;
     K[1].v = n_01;
     K[2].v = n_02;
@@ -160,55 +161,56 @@ static inline void krhpr_subleg_tripteron_project_tangent(
     K[4].v = n_11;
     K[5].v = n_12;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        K[0].t[k] = g->e_x[0] * N[0].t[k] + g->e_x[1] * N[1].t[k] + g->e_x[2] * N[2].t[k];
-        K[1].t[k] = g->e_1[0] * N[0].t[k] + g->e_1[1] * N[1].t[k] + g->e_1[2] * N[2].t[k];
-        K[2].t[k] = g->e_t[0] * N[0].t[k] + g->e_t[1] * N[1].t[k];
-        K[3].t[k] = g->e_x[0] * N[3].t[k] + g->e_x[1] * N[4].t[k] + g->e_x[2] * N[5].t[k];
-        K[4].t[k] = g->e_1[0] * N[3].t[k] + g->e_1[1] * N[4].t[k] + g->e_1[2] * N[5].t[k];
-        K[5].t[k] = g->e_t[0] * N[3].t[k] + g->e_t[1] * N[4].t[k];
+        K[0].t[k] = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        K[1].t[k] = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        K[2].t[k] = g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k];
+        K[3].t[k] = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        K[4].t[k] = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        K[5].t[k] = g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k];
     }
 }
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add,
  * 16 multiply) */
 static inline void krhpr_subleg_tripteron_velocity_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *theta_dot,
+    krhpr_dual *KRHPR_RESTRICT s_dot)
 {
-    const double s_dot_0 = g->e_1[0] * theta_dot[1].v + g->e_t[0] * theta_dot[2].v + g->e_x[0] * theta_dot[0].v;
-    const double s_dot_1 = g->e_1[1] * theta_dot[1].v + g->e_t[1] * theta_dot[2].v + g->e_x[1] * theta_dot[0].v;
+    const double s_dot_0 = g->e_1[0][i] * theta_dot[1].v + g->e_t[0][i] * theta_dot[2].v + g->e_x[0][i] * theta_dot[0].v;
+    const double s_dot_1 = g->e_1[1][i] * theta_dot[1].v + g->e_t[1][i] * theta_dot[2].v + g->e_x[1][i] * theta_dot[0].v;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
-    s_dot[2].v = g->e_1[2] * theta_dot[1].v + g->e_x[2] * theta_dot[0].v;
+    s_dot[2].v = g->e_1[2][i] * theta_dot[1].v + g->e_x[2][i] * theta_dot[0].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_1[0] * theta_dot[1].t[k] + g->e_t[0] * theta_dot[2].t[k] + g->e_x[0] * theta_dot[0].t[k];
-        const double t2 = g->e_1[1] * theta_dot[1].t[k] + g->e_t[1] * theta_dot[2].t[k] + g->e_x[1] * theta_dot[0].t[k];
+        const double t1 = g->e_1[0][i] * theta_dot[1].t[k] + g->e_t[0][i] * theta_dot[2].t[k] + g->e_x[0][i] * theta_dot[0].t[k];
+        const double t2 = g->e_1[1][i] * theta_dot[1].t[k] + g->e_t[1][i] * theta_dot[2].t[k] + g->e_x[1][i] * theta_dot[0].t[k];
         s_dot[0].t[k] = t1;
         s_dot[1].t[k] = t2;
-        s_dot[2].t[k] = g->e_1[2] * theta_dot[1].t[k] + g->e_x[2] * theta_dot[0].t[k];
+        s_dot[2].t[k] = g->e_1[2][i] * theta_dot[1].t[k] + g->e_x[2][i] * theta_dot[0].t[k];
     }
 }
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (10 add, 16 multiply) */
 static inline void krhpr_subleg_tripteron_bias_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
     (void)(s);
     (void)(theta);
-    const double s_dot_0 = g->e_1[0] * theta_dot[1].v + g->e_t[0] * theta_dot[2].v + g->e_x[0] * theta_dot[0].v;
-    const double s_dot_1 = g->e_1[1] * theta_dot[1].v + g->e_t[1] * theta_dot[2].v + g->e_x[1] * theta_dot[0].v;
+    const double s_dot_0 = g->e_1[0][i] * theta_dot[1].v + g->e_t[0][i] * theta_dot[2].v + g->e_x[0][i] * theta_dot[0].v;
+    const double s_dot_1 = g->e_1[1][i] * theta_dot[1].v + g->e_t[1][i] * theta_dot[2].v + g->e_x[1][i] * theta_dot[0].v;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
-    s_dot[2].v = g->e_1[2] * theta_dot[1].v + g->e_x[2] * theta_dot[0].v;
+    s_dot[2].v = g->e_1[2][i] * theta_dot[1].v + g->e_x[2][i] * theta_dot[0].v;
     bias[0].v = 0.0;
     bias[1].v = 0.0;
     bias[2].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_1[0] * theta_dot[1].t[k] + g->e_t[0] * theta_dot[2].t[k] + g->e_x[0] * theta_dot[0].t[k];
-        const double t2 = g->e_1[1] * theta_dot[1].t[k] + g->e_t[1] * theta_dot[2].t[k] + g->e_x[1] * theta_dot[0].t[k];
+        const double t1 = g->e_1[0][i] * theta_dot[1].t[k] + g->e_t[0][i] * theta_dot[2].t[k] + g->e_x[0][i] * theta_dot[0].t[k];
+        const double t2 = g->e_1[1][i] * theta_dot[1].t[k] + g->e_t[1][i] * theta_dot[2].t[k] + g->e_x[1][i] * theta_dot[0].t[k];
         s_dot[0].t[k] = t1;
         s_dot[1].t[k] = t2;
-        s_dot[2].t[k] = g->e_1[2] * theta_dot[1].t[k] + g->e_x[2] * theta_dot[0].t[k];
+        s_dot[2].t[k] = g->e_1[2][i] * theta_dot[1].t[k] + g->e_x[2][i] * theta_dot[0].t[k];
         bias[0].t[k] = 0.0;
         bias[1].t[k] = 0.0;
         bias[2].t[k] = 0.0;
@@ -218,43 +220,44 @@ static inline void krhpr_subleg_tripteron_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 16
  * multiply) */
 static inline void krhpr_subleg_tripteron_rates_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s_dot,
+    krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
-    const double v_l_0 = g->e_x[0] * s_dot[0].v + g->e_x[1] * s_dot[1].v + g->e_x[2] * s_dot[2].v;
-    const double v_l_1 = g->e_1[0] * s_dot[0].v + g->e_1[1] * s_dot[1].v + g->e_1[2] * s_dot[2].v;
-    const double v_l_2 = g->e_t[0] * s_dot[0].v + g->e_t[1] * s_dot[1].v;
+    const double v_l_0 = g->e_x[0][i] * s_dot[0].v + g->e_x[1][i] * s_dot[1].v + g->e_x[2][i] * s_dot[2].v;
+    const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
+    const double v_l_2 = g->e_t[0][i] * s_dot[0].v + g->e_t[1][i] * s_dot[1].v;
     theta_dot[0].v = v_l_0;
     theta_dot[1].v = v_l_1;
     theta_dot[2].v = v_l_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->e_x[0] * s_dot[0].t[k] + g->e_x[1] * s_dot[1].t[k] + g->e_x[2] * s_dot[2].t[k];
-        const double t2 = g->e_1[0] * s_dot[0].t[k] + g->e_1[1] * s_dot[1].t[k] + g->e_1[2] * s_dot[2].t[k];
+        const double t1 = g->e_x[0][i] * s_dot[0].t[k] + g->e_x[1][i] * s_dot[1].t[k] + g->e_x[2][i] * s_dot[2].t[k];
+        const double t2 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         theta_dot[0].t[k] = t1;
         theta_dot[1].t[k] = t2;
-        theta_dot[2].t[k] = g->e_t[0] * s_dot[0].t[k] + g->e_t[1] * s_dot[1].t[k];
+        theta_dot[2].t[k] = g->e_t[0][i] * s_dot[0].t[k] + g->e_t[1][i] * s_dot[1].t[k];
     }
 }
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (20 add,
  * 27 multiply) */
 static inline void krhpr_subleg_tripteron_determinant_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *rho, krhpr_dual *KRHPR_RESTRICT det_M,
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double t1 = rho[1].v * rho[1].v;
     const double t2 = rho[2].v * rho[2].v;
-    const double h2 = 0.25 * (t1 + t2 - g->k[0]);
-    const double h1 = g->k[1] - t1 - t2;
+    const double h2 = 0.25 * (t1 + t2 - g->k[0][i]);
+    const double h1 = g->k[1][i] - t1 - t2;
     const double t3 = rho[0].v * rho[0].v;
-    const double h4 = 0.25 * (t2 + t3 - g->k[0]);
-    const double t4 = g->k[1] - t3;
+    const double h4 = 0.25 * (t2 + t3 - g->k[0][i]);
+    const double t4 = g->k[1][i] - t3;
     const double h3 = t4 - t2;
-    const double h6 = 0.25 * (t1 + t3 - g->k[0]);
+    const double h6 = 0.25 * (t1 + t3 - g->k[0][i]);
     const double h5 = t4 - t1;
     det_M[0].v = 1.0;
-    factors[0].v = h2 * h1 * g->k[3];
-    factors[1].v = g->k[3] * (h4 * h3);
-    factors[2].v = g->k[3] * (h6 * h5);
+    factors[0].v = h2 * h1 * g->k[3][i];
+    factors[1].v = g->k[3][i] * (h4 * h3);
+    factors[2].v = g->k[3][i] * (h6 * h5);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t5 = rho[1].v * rho[1].t[k];
         const double t6 = t5 + t5;
@@ -266,46 +269,46 @@ static inline void krhpr_subleg_tripteron_determinant_tangent(
         const double t12 = t8 + t11;
         const double t13 = t6 + t11;
         det_M[0].t[k] = 0.0;
-        factors[0].t[k] = g->k[3] * (h1 * (0.25 * t9) - h2 * t9);
-        factors[1].t[k] = g->k[3] * (h3 * (0.25 * t12) - h4 * t12);
-        factors[2].t[k] = g->k[3] * (h5 * (0.25 * t13) - h6 * t13);
+        factors[0].t[k] = g->k[3][i] * (h1 * (0.25 * t9) - h2 * t9);
+        factors[1].t[k] = g->k[3][i] * (h3 * (0.25 * t12) - h4 * t12);
+        factors[2].t[k] = g->k[3][i] * (h5 * (0.25 * t13) - h6 * t13);
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 87 multiply, 9
  * divide, 3 square root, 6 arctangent) */
 static inline void krhpr_subleg_tripteron_passive_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *rho, krhpr_dual *KRHPR_RESTRICT passive,
-    krhpr_dual *KRHPR_RESTRICT link)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho,
+    krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
     const double t1 = rho[1].v * rho[1].v;
     const double t2 = rho[2].v * rho[2].v;
     const double d2_1 = t1 + t2;
-    const double h2 = d2_1 - g->k[0];
-    const double h1 = g->k[1] - d2_1;
+    const double h2 = d2_1 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2_1;
     const double h2_1 = h2 * h1;
     const double S_1 = sqrt(h2_1);
-    const double C_1 = d2_1 - g->k[4] - g->k[5];
-    const double A_1 = d2_1 + g->k[4] - g->k[5];
+    const double C_1 = d2_1 - g->k[4][i] - g->k[5][i];
+    const double A_1 = d2_1 + g->k[4][i] - g->k[5][i];
     const double n_1 = rho[1].v * A_1 + rho[2].v * S_1;
     const double m_1 = rho[2].v * A_1 - rho[1].v * S_1;
     const double t3 = rho[0].v * rho[0].v;
     const double d2_2 = t2 + t3;
-    const double h7 = d2_2 - g->k[0];
-    const double h6 = g->k[1] - d2_2;
+    const double h7 = d2_2 - g->k[0][i];
+    const double h6 = g->k[1][i] - d2_2;
     const double h2_2 = h7 * h6;
     const double S_2 = sqrt(h2_2);
-    const double C_2 = d2_2 - g->k[4] - g->k[5];
-    const double A_2 = g->k[4] + d2_2 - g->k[5];
+    const double C_2 = d2_2 - g->k[4][i] - g->k[5][i];
+    const double A_2 = g->k[4][i] + d2_2 - g->k[5][i];
     const double n_2 = rho[2].v * A_2 + rho[0].v * S_2;
     const double m_2 = rho[0].v * A_2 - rho[2].v * S_2;
     const double d2_3 = t1 + t3;
-    const double h12 = d2_3 - g->k[0];
-    const double h11 = g->k[1] - d2_3;
+    const double h12 = d2_3 - g->k[0][i];
+    const double h11 = g->k[1][i] - d2_3;
     const double h2_3 = h12 * h11;
     const double S_3 = sqrt(h2_3);
-    const double C_3 = d2_3 - g->k[4] - g->k[5];
-    const double A_3 = g->k[4] + d2_3 - g->k[5];
+    const double C_3 = d2_3 - g->k[4][i] - g->k[5][i];
+    const double A_3 = g->k[4][i] + d2_3 - g->k[5][i];
     const double n_3 = rho[0].v * A_3 + rho[1].v * S_3;
     const double m_3 = rho[1].v * A_3 - rho[0].v * S_3;
     const double h3 = 1.0 / S_1;
@@ -323,14 +326,14 @@ static inline void krhpr_subleg_tripteron_passive_tangent(
     passive[3].v = krhpr_atan2(S_2, C_2);
     passive[4].v = krhpr_atan2(m_3, n_3);
     passive[5].v = krhpr_atan2(S_3, C_3);
-    link[0].v = g->e_x[0];
-    link[1].v = g->e_1[0];
-    link[2].v = g->e_t[0];
-    link[3].v = g->e_x[1];
-    link[4].v = g->e_1[1];
-    link[5].v = g->e_t[1];
-    link[6].v = g->e_x[2];
-    link[7].v = g->e_1[2];
+    link[0].v = g->e_x[0][i];
+    link[1].v = g->e_1[0][i];
+    link[2].v = g->e_t[0][i];
+    link[3].v = g->e_x[1][i];
+    link[4].v = g->e_1[1][i];
+    link[5].v = g->e_t[1][i];
+    link[6].v = g->e_x[2][i];
+    link[7].v = g->e_1[2][i];
     link[8].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t4 = rho[1].v * rho[1].t[k];
@@ -372,69 +375,69 @@ static inline void krhpr_subleg_tripteron_passive_tangent(
 /* `points` with the derivatives of its outputs along directions of its inputs.  (103 add, 159 multiply, 6
  * divide, 3 square root) */
 static inline void krhpr_subleg_tripteron_points_tangent(
-    const krhpr_subleg_tripteron_geometry *g, const krhpr_dual *rho, const krhpr_dual *s,
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {
-    const double slider_1_0 = g->c[0] + g->e_x[0] * rho[0].v;
-    const double slider_1_1 = g->c[1] + g->e_x[1] * rho[0].v;
-    const double slider_1_2 = g->c[2] + g->e_x[2] * rho[0].v;
+    const double slider_1_0 = g->c[0][i] + g->e_x[0][i] * rho[0].v;
+    const double slider_1_1 = g->c[1][i] + g->e_x[1][i] * rho[0].v;
+    const double slider_1_2 = g->c[2][i] + g->e_x[2][i] * rho[0].v;
     const double t1 = rho[1].v * rho[1].v;
     const double t2 = rho[2].v * rho[2].v;
     const double d2_1 = t1 + t2;
-    const double h2 = d2_1 - g->k[0];
-    const double h1 = g->k[1] - d2_1;
+    const double h2 = d2_1 - g->k[0][i];
+    const double h1 = g->k[1][i] - d2_1;
     const double h2_1 = h2 * h1;
     const double S_1 = sqrt(h2_1);
-    const double A_1 = d2_1 + g->k[4] - g->k[5];
+    const double A_1 = d2_1 + g->k[4][i] - g->k[5][i];
     const double n_1 = rho[1].v * A_1 + rho[2].v * S_1;
     const double m_1 = rho[2].v * A_1 - rho[1].v * S_1;
-    const double slider_2_0 = g->c[0] + g->e_1[0] * rho[1].v;
-    const double slider_2_1 = g->c[1] + g->e_1[1] * rho[1].v;
-    const double slider_2_2 = g->c[2] + g->e_1[2] * rho[1].v;
+    const double slider_2_0 = g->c[0][i] + g->e_1[0][i] * rho[1].v;
+    const double slider_2_1 = g->c[1][i] + g->e_1[1][i] * rho[1].v;
+    const double slider_2_2 = g->c[2][i] + g->e_1[2][i] * rho[1].v;
     const double t3 = rho[0].v * rho[0].v;
     const double d2_2 = t2 + t3;
-    const double h5 = d2_2 - g->k[0];
-    const double h4 = g->k[1] - d2_2;
+    const double h5 = d2_2 - g->k[0][i];
+    const double h4 = g->k[1][i] - d2_2;
     const double h2_2 = h5 * h4;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = g->k[4] + d2_2 - g->k[5];
+    const double A_2 = g->k[4][i] + d2_2 - g->k[5][i];
     const double n_2 = rho[2].v * A_2 + rho[0].v * S_2;
     const double m_2 = rho[0].v * A_2 - rho[2].v * S_2;
-    const double slider_3_0 = g->c[0] + g->e_t[0] * rho[2].v;
-    const double slider_3_1 = g->c[1] + g->e_t[1] * rho[2].v;
+    const double slider_3_0 = g->c[0][i] + g->e_t[0][i] * rho[2].v;
+    const double slider_3_1 = g->c[1][i] + g->e_t[1][i] * rho[2].v;
     const double d2_3 = t1 + t3;
-    const double h8 = d2_3 - g->k[0];
-    const double h7 = g->k[1] - d2_3;
+    const double h8 = d2_3 - g->k[0][i];
+    const double h7 = g->k[1][i] - d2_3;
     const double h2_3 = h8 * h7;
     const double S_3 = sqrt(h2_3);
-    const double A_3 = g->k[4] + d2_3 - g->k[5];
+    const double A_3 = g->k[4][i] + d2_3 - g->k[5][i];
     const double n_3 = rho[0].v * A_3 + rho[1].v * S_3;
     const double m_3 = rho[1].v * A_3 - rho[0].v * S_3;
-    const double h11 = n_1 * g->k[7];
+    const double h11 = n_1 * g->k[7][i];
     const double h10 = 1.0 / d2_1;
-    const double h12 = m_1 * g->k[8];
-    const double h13 = n_1 * g->k[9];
-    const double h14 = m_1 * g->k[10];
-    const double h15 = n_1 * g->k[11];
-    const double h17 = n_2 * g->k[8];
+    const double h12 = m_1 * g->k[8][i];
+    const double h13 = n_1 * g->k[9][i];
+    const double h14 = m_1 * g->k[10][i];
+    const double h15 = n_1 * g->k[11][i];
+    const double h17 = n_2 * g->k[8][i];
     const double h16 = 1.0 / d2_2;
-    const double h18 = m_2 * g->k[12];
-    const double h19 = n_2 * g->k[10];
-    const double h20 = m_2 * g->k[13];
-    const double h21 = m_2 * g->k[14];
-    const double h23 = m_3 * g->k[7];
+    const double h18 = m_2 * g->k[12][i];
+    const double h19 = n_2 * g->k[10][i];
+    const double h20 = m_2 * g->k[13][i];
+    const double h21 = m_2 * g->k[14][i];
+    const double h23 = m_3 * g->k[7][i];
     const double h22 = 1.0 / d2_3;
-    const double h24 = n_3 * g->k[12];
-    const double h25 = m_3 * g->k[9];
-    const double h26 = n_3 * g->k[13];
-    const double h27 = m_3 * g->k[11];
-    const double h28 = n_3 * g->k[14];
+    const double h24 = n_3 * g->k[12][i];
+    const double h25 = m_3 * g->k[9][i];
+    const double h26 = n_3 * g->k[13][i];
+    const double h27 = m_3 * g->k[11][i];
+    const double h28 = n_3 * g->k[14][i];
     const double h3 = 1.0 / S_1;
     const double h6 = 1.0 / S_2;
     const double h9 = 1.0 / S_3;
-    points[0].v = g->c[0];
-    points[1].v = g->c[1];
-    points[2].v = g->c[2];
+    points[0].v = g->c[0][i];
+    points[1].v = g->c[1][i];
+    points[2].v = g->c[2][i];
     points[3].v = slider_1_0;
     points[4].v = slider_1_1;
     points[5].v = slider_1_2;
@@ -449,17 +452,17 @@ static inline void krhpr_subleg_tripteron_points_tangent(
     points[14].v = slider_2_2 + h16 * h21;
     points[15].v = slider_3_0;
     points[16].v = slider_3_1;
-    points[17].v = g->c[2];
+    points[17].v = g->c[2][i];
     points[18].v = slider_3_0 + h23 * h22 + h22 * h24;
     points[19].v = slider_3_1 + h22 * h25 + h22 * h26;
-    points[20].v = g->c[2] + h22 * h27 + h22 * h28;
+    points[20].v = g->c[2][i] + h22 * h27 + h22 * h28;
     points[21].v = s[0].v;
     points[22].v = s[1].v;
     points[23].v = s[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g->e_x[0] * rho[0].t[k];
-        const double t5 = g->e_x[1] * rho[0].t[k];
-        const double t6 = g->e_x[2] * rho[0].t[k];
+        const double t4 = g->e_x[0][i] * rho[0].t[k];
+        const double t5 = g->e_x[1][i] * rho[0].t[k];
+        const double t6 = g->e_x[2][i] * rho[0].t[k];
         const double t7 = rho[1].v * rho[1].t[k];
         const double t8 = t7 + t7;
         const double t9 = rho[2].v * rho[2].t[k];
@@ -468,50 +471,52 @@ static inline void krhpr_subleg_tripteron_points_tangent(
         const double t12 = h3 * (0.5 * (h1 * t11 - h2 * t11));
         const double t13 = A_1 * rho[1].t[k] + rho[1].v * t11 + (S_1 * rho[2].t[k] + rho[2].v * t12);
         const double t14 = A_1 * rho[2].t[k] + rho[2].v * t11 - (S_1 * rho[1].t[k] + rho[1].v * t12);
-        const double t15 = g->e_1[0] * rho[1].t[k];
-        const double t16 = g->e_1[1] * rho[1].t[k];
-        const double t17 = g->e_1[2] * rho[1].t[k];
+        const double t15 = g->e_1[0][i] * rho[1].t[k];
+        const double t16 = g->e_1[1][i] * rho[1].t[k];
+        const double t17 = g->e_1[2][i] * rho[1].t[k];
         const double t18 = rho[0].v * rho[0].t[k];
         const double t19 = t18 + t18;
         const double t20 = t10 + t19;
         const double t21 = h6 * (0.5 * (h4 * t20 - h5 * t20));
         const double t22 = A_2 * rho[2].t[k] + rho[2].v * t20 + (S_2 * rho[0].t[k] + rho[0].v * t21);
         const double t23 = A_2 * rho[0].t[k] + rho[0].v * t20 - (S_2 * rho[2].t[k] + rho[2].v * t21);
-        const double t24 = g->e_t[0] * rho[2].t[k];
-        const double t25 = g->e_t[1] * rho[2].t[k];
+        const double t24 = g->e_t[0][i] * rho[2].t[k];
+        const double t25 = g->e_t[1][i] * rho[2].t[k];
         const double t26 = t8 + t19;
         const double t27 = h9 * (0.5 * (h7 * t26 - h8 * t26));
         const double t28 = A_3 * rho[0].t[k] + rho[0].v * t26 + (S_3 * rho[1].t[k] + rho[1].v * t27);
         const double t29 = A_3 * rho[1].t[k] + rho[1].v * t26 - (S_3 * rho[0].t[k] + rho[0].v * t27);
         const double t30 = h10 * (h10 * t11);
-        const double t31 = t5 + (h10 * (g->k[9] * t13) - h13 * t30) + (h10 * (g->k[10] * t14) - h14 * t30);
-        const double t32 = h16 * (h16 * t20);
-        const double t33 = t15 + (h16 * (g->k[8] * t22) - h17 * t32) + (h16 * (g->k[12] * t23) - h18 * t32);
-        const double t34 = t16 + (h16 * (g->k[10] * t22) - h19 * t32) + (h16 * (g->k[13] * t23) - h20 * t32);
-        const double t35 = h22 * (h22 * t26);
-        const double t36 = t24 + (h22 * (g->k[7] * t29) - h23 * t35) + (h22 * (g->k[12] * t28) - h24 * t35);
-        const double t37 = t25 + (h22 * (g->k[9] * t29) - h25 * t35) + (h22 * (g->k[13] * t28) - h26 * t35);
+        const double t31 = t4 + (h10 * (g->k[7][i] * t13) - h11 * t30) + (h10 * (g->k[8][i] * t14) - h12 * t30);
+        const double t32 = t5 + (h10 * (g->k[9][i] * t13) - h13 * t30) + (h10 * (g->k[10][i] * t14) - h14 * t30);
+        const double t33 = h16 * (h16 * t20);
+        const double t34 = t15 + (h16 * (g->k[8][i] * t22) - h17 * t33) + (h16 * (g->k[12][i] * t23) - h18 * t33);
+        const double t35 = t16 + (h16 * (g->k[10][i] * t22) - h19 * t33) + (h16 * (g->k[13][i] * t23) - h20 * t33);
+        const double t36 = h22 * (h22 * t26);
+        const double t37 = t24 + (h22 * (g->k[7][i] * t29) - h23 * t36) + (h22 * (g->k[12][i] * t28) - h24 * t36);
+        const double t38 = t25 + (h22 * (g->k[9][i] * t29) - h25 * t36) + (h22 * (g->k[13][i] * t28) - h26 * t36);
+        const double t39 = h22 * (g->k[11][i] * t29) - h27 * t36 + (h22 * (g->k[14][i] * t28) - h28 * t36);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
         points[3].t[k] = t4;
         points[4].t[k] = t5;
         points[5].t[k] = t6;
-        points[6].t[k] = t4 + (h10 * (g->k[7] * t13) - h11 * t30) + (h10 * (g->k[8] * t14) - h12 * t30);
-        points[7].t[k] = t31;
-        points[8].t[k] = t6 + (h10 * (g->k[11] * t13) - h15 * t30);
+        points[6].t[k] = t31;
+        points[7].t[k] = t32;
+        points[8].t[k] = t6 + (h10 * (g->k[11][i] * t13) - h15 * t30);
         points[9].t[k] = t15;
         points[10].t[k] = t16;
         points[11].t[k] = t17;
-        points[12].t[k] = t33;
-        points[13].t[k] = t34;
-        points[14].t[k] = t17 + (h16 * (g->k[14] * t23) - h21 * t32);
+        points[12].t[k] = t34;
+        points[13].t[k] = t35;
+        points[14].t[k] = t17 + (h16 * (g->k[14][i] * t23) - h21 * t33);
         points[15].t[k] = t24;
         points[16].t[k] = t25;
         points[17].t[k] = 0.0;
-        points[18].t[k] = t36;
-        points[19].t[k] = t37;
-        points[20].t[k] = h22 * (g->k[11] * t29) - h27 * t35 + (h22 * (g->k[14] * t28) - h28 * t35);
+        points[18].t[k] = t37;
+        points[19].t[k] = t38;
+        points[20].t[k] = t39;
         points[21].t[k] = s[0].t[k];
         points[22].t[k] = s[1].t[k];
         points[23].t[k] = s[2].t[k];

@@ -13,18 +13,18 @@
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24 add, 38
  * multiply) */
 static inline void krhpr_subleg_ups3_forward_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *theta, const krhpr_dual *s_near,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     (void)(s_near);
     const double t1 = theta[0].v * theta[0].v;
     const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1].v * theta[1].v);
-    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2].v * theta[2].v);
-    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6];
-    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
-    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
-    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1].v * theta[1].v);
+    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2].v * theta[2].v);
+    const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i];
+    const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
+    const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
+    const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = theta[0].v * theta[0].t[k];
@@ -34,28 +34,28 @@ static inline void krhpr_subleg_ups3_forward_tangent(
         const double t7 = t5 - 0.5 * (t6 + t6);
         const double t8 = theta[2].v * theta[2].t[k];
         const double t9 = t5 - 0.5 * (t8 + t8);
-        const double t10 = foot_0 * (g->k[6] * (g->k[4] * t7 + g->k[5] * t9));
-        const double t11 = foot_1 * (g->k[6] * (g->k[7] * t7 + g->k[8] * t9));
-        const double t12 = foot_2 * (g->k[6] * (g->k[0] * t7 + g->k[0] * t9));
-        radicand[0].t[k] = g->k[6] * (t4 - (t10 + t10) - (t11 + t11) - (t12 + t12));
+        const double t10 = foot_0 * (g->k[6][i] * (g->k[4][i] * t7 + g->k[5][i] * t9));
+        const double t11 = foot_1 * (g->k[6][i] * (g->k[7][i] * t7 + g->k[8][i] * t9));
+        const double t12 = foot_2 * (g->k[6][i] * (g->k[0][i] * t7 + g->k[0][i] * t9));
+        radicand[0].t[k] = g->k[6][i] * (t4 - (t10 + t10) - (t11 + t11) - (t12 + t12));
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24
  * add, 38 multiply) */
 static inline void krhpr_subleg_ups3_forward_posture_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *theta, const krhpr_dual *s_near,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT b, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     (void)(s_near);
     const double t1 = theta[0].v * theta[0].v;
     const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1].v * theta[1].v);
-    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2].v * theta[2].v);
-    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6];
-    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
-    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
-    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1].v * theta[1].v);
+    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2].v * theta[2].v);
+    const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i];
+    const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
+    const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
+    const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     b[0].v = theta[0].v;
     b[1].v = theta[1].v;
     b[2].v = theta[2].v;
@@ -68,36 +68,36 @@ static inline void krhpr_subleg_ups3_forward_posture_tangent(
         const double t7 = t5 - 0.5 * (t6 + t6);
         const double t8 = theta[2].v * theta[2].t[k];
         const double t9 = t5 - 0.5 * (t8 + t8);
-        const double t10 = foot_0 * (g->k[6] * (g->k[4] * t7 + g->k[5] * t9));
-        const double t11 = foot_1 * (g->k[6] * (g->k[7] * t7 + g->k[8] * t9));
-        const double t12 = foot_2 * (g->k[6] * (g->k[0] * t7 + g->k[0] * t9));
+        const double t10 = foot_0 * (g->k[6][i] * (g->k[4][i] * t7 + g->k[5][i] * t9));
+        const double t11 = foot_1 * (g->k[6][i] * (g->k[7][i] * t7 + g->k[8][i] * t9));
+        const double t12 = foot_2 * (g->k[6][i] * (g->k[0][i] * t7 + g->k[0][i] * t9));
         b[0].t[k] = theta[0].t[k];
         b[1].t[k] = theta[1].t[k];
         b[2].t[k] = theta[2].t[k];
-        radicand[0].t[k] = g->k[6] * (t4 - (t10 + t10) - (t11 + t11) - (t12 + t12));
+        radicand[0].t[k] = g->k[6][i] * (t4 - (t10 + t10) - (t11 + t11) - (t12 + t12));
     }
 }
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (39 add,
  * 44 multiply, 1 divide, 1 square root) */
 static inline void krhpr_subleg_ups3_forward_all_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0].v * theta[0].v;
     const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2] + t2 - 0.5 * (theta[1].v * theta[1].v);
-    const double q_3 = t2 + g->k[3] - 0.5 * (theta[2].v * theta[2].v);
-    const double foot_0 = (q_2 * g->k[4] + q_3 * g->k[5]) * g->k[6];
-    const double foot_1 = g->k[6] * (q_2 * g->k[7] + q_3 * g->k[8]);
-    const double foot_2 = g->k[6] * (g->k[0] * q_2 + g->k[0] * q_3);
-    const double h2 = g->k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
+    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1].v * theta[1].v);
+    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2].v * theta[2].v);
+    const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i];
+    const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
+    const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
+    const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double height = sqrt(h2);
-    const double t3 = g->g[0] + foot_0;
-    const double t4 = g->k[0] * height;
-    const double t5 = g->g[1] + foot_1;
-    const double t6 = g->g[2] + foot_2;
-    const double t7 = g->k[1] * height;
+    const double t3 = g->g[0][i] + foot_0;
+    const double t4 = g->k[0][i] * height;
+    const double t5 = g->g[1][i] + foot_1;
+    const double t6 = g->g[2][i] + foot_2;
+    const double t7 = g->k[1][i] * height;
     const double h1 = 1.0 / height;
     s[0].v = t3 + t4;
     s[1].v = t4 + t5;
@@ -114,16 +114,16 @@ static inline void krhpr_subleg_ups3_forward_all_tangent(
         const double t12 = t10 - 0.5 * (t11 + t11);
         const double t13 = theta[2].v * theta[2].t[k];
         const double t14 = t10 - 0.5 * (t13 + t13);
-        const double t15 = g->k[6] * (g->k[4] * t12 + g->k[5] * t14);
-        const double t16 = g->k[6] * (g->k[7] * t12 + g->k[8] * t14);
-        const double t17 = g->k[6] * (g->k[0] * t12 + g->k[0] * t14);
+        const double t15 = g->k[6][i] * (g->k[4][i] * t12 + g->k[5][i] * t14);
+        const double t16 = g->k[6][i] * (g->k[7][i] * t12 + g->k[8][i] * t14);
+        const double t17 = g->k[6][i] * (g->k[0][i] * t12 + g->k[0][i] * t14);
         const double t18 = foot_0 * t15;
         const double t19 = foot_1 * t16;
         const double t20 = foot_2 * t17;
-        const double t21 = g->k[6] * (t9 - (t18 + t18) - (t19 + t19) - (t20 + t20));
+        const double t21 = g->k[6][i] * (t9 - (t18 + t18) - (t19 + t19) - (t20 + t20));
         const double t22 = h1 * (0.5 * t21);
-        const double t23 = g->k[0] * t22;
-        const double t24 = g->k[1] * t22;
+        const double t23 = g->k[0][i] * t22;
+        const double t24 = g->k[1][i] * t22;
         s[0].t[k] = t15 + t23;
         s[1].t[k] = t16 + t23;
         s[2].t[k] = t17 + t24;
@@ -137,18 +137,18 @@ static inline void krhpr_subleg_ups3_forward_all_tangent(
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (30 add,
  * 24 multiply, 3 divide, 3 square root) */
 static inline void krhpr_subleg_ups3_inverse_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double w_1_0 = s[0].v - g->g[0];
-    const double w_1_1 = s[1].v - g->g[1];
-    const double w_1_2 = s[2].v - g->g[2];
-    const double w_2_0 = s[0].v - g->g[3];
-    const double w_2_1 = s[1].v - g->g[4];
-    const double w_2_2 = s[2].v - g->g[5];
-    const double w_3_0 = s[0].v - g->g[6];
-    const double w_3_1 = s[1].v - g->g[7];
-    const double w_3_2 = s[2].v - g->g[8];
+    const double w_1_0 = s[0].v - g->g[0][i];
+    const double w_1_1 = s[1].v - g->g[1][i];
+    const double w_1_2 = s[2].v - g->g[2][i];
+    const double w_2_0 = s[0].v - g->g[3][i];
+    const double w_2_1 = s[1].v - g->g[4][i];
+    const double w_2_2 = s[2].v - g->g[5][i];
+    const double w_3_0 = s[0].v - g->g[6][i];
+    const double w_3_1 = s[1].v - g->g[7][i];
+    const double w_3_2 = s[2].v - g->g[8][i];
     const double theta_0 = sqrt(w_1_0 * w_1_0 + w_1_1 * w_1_1 + w_1_2 * w_1_2);
     const double theta_1 = sqrt(w_2_0 * w_2_0 + w_2_1 * w_2_1 + w_2_2 * w_2_2);
     const double theta_2 = sqrt(w_3_0 * w_3_0 + w_3_1 * w_3_1 + w_3_2 * w_3_2);
@@ -179,18 +179,18 @@ static inline void krhpr_subleg_ups3_inverse_tangent(
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (30
  * add, 24 multiply, 3 divide, 3 square root) */
 static inline void krhpr_subleg_ups3_inverse_all_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
-    const double w_1_0 = s[0].v - g->g[0];
-    const double w_1_1 = s[1].v - g->g[1];
-    const double w_1_2 = s[2].v - g->g[2];
-    const double w_2_0 = s[0].v - g->g[3];
-    const double w_2_1 = s[1].v - g->g[4];
-    const double w_2_2 = s[2].v - g->g[5];
-    const double w_3_0 = s[0].v - g->g[6];
-    const double w_3_1 = s[1].v - g->g[7];
-    const double w_3_2 = s[2].v - g->g[8];
+    const double w_1_0 = s[0].v - g->g[0][i];
+    const double w_1_1 = s[1].v - g->g[1][i];
+    const double w_1_2 = s[2].v - g->g[2][i];
+    const double w_2_0 = s[0].v - g->g[3][i];
+    const double w_2_1 = s[1].v - g->g[4][i];
+    const double w_2_2 = s[2].v - g->g[5][i];
+    const double w_3_0 = s[0].v - g->g[6][i];
+    const double w_3_1 = s[1].v - g->g[7][i];
+    const double w_3_2 = s[2].v - g->g[8][i];
     const double theta_0 = sqrt(w_1_0 * w_1_0 + w_1_1 * w_1_1 + w_1_2 * w_1_2);
     const double theta_1 = sqrt(w_2_0 * w_2_0 + w_2_1 * w_2_1 + w_2_2 * w_2_2);
     const double theta_2 = sqrt(w_3_0 * w_3_0 + w_3_1 * w_3_1 + w_3_2 * w_3_2);
@@ -220,9 +220,10 @@ static inline void krhpr_subleg_ups3_inverse_all_tangent(
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_ups3_reach_tangent(
-    const krhpr_subleg_ups3_geometry *g, krhpr_dual *KRHPR_RESTRICT excess)
+    const krhpr_subleg_ups3_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
+    (void)(i);
     excess[0].v = 0.0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         excess[0].t[k] = 0.0;
@@ -232,18 +233,18 @@ static inline void krhpr_subleg_ups3_reach_tangent(
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (9
  * add) */
 static inline void krhpr_subleg_ups3_posture_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b)
 {
-    const double w_1_0 = s[0].v - g->g[0];
-    const double w_1_1 = s[1].v - g->g[1];
-    const double w_1_2 = s[2].v - g->g[2];
-    const double w_2_0 = s[0].v - g->g[3];
-    const double w_2_1 = s[1].v - g->g[4];
-    const double w_2_2 = s[2].v - g->g[5];
-    const double w_3_0 = s[0].v - g->g[6];
-    const double w_3_1 = s[1].v - g->g[7];
-    const double w_3_2 = s[2].v - g->g[8];
+    const double w_1_0 = s[0].v - g->g[0][i];
+    const double w_1_1 = s[1].v - g->g[1][i];
+    const double w_1_2 = s[2].v - g->g[2][i];
+    const double w_2_0 = s[0].v - g->g[3][i];
+    const double w_2_1 = s[1].v - g->g[4][i];
+    const double w_2_2 = s[2].v - g->g[5][i];
+    const double w_3_0 = s[0].v - g->g[6][i];
+    const double w_3_1 = s[1].v - g->g[7][i];
+    const double w_3_2 = s[2].v - g->g[8][i];
     w[0].v = w_1_0;
     w[1].v = w_1_1;
     w[2].v = w_1_2;
@@ -275,10 +276,11 @@ static inline void krhpr_subleg_ups3_posture_tangent(
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (61 add, 119 multiply, 1 divide) */
 static inline void krhpr_subleg_ups3_jacobian_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
     (void)(g);
+    (void)(i);
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
     const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
     const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
@@ -344,10 +346,11 @@ static inline void krhpr_subleg_ups3_jacobian_tangent(
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (103 add, 173 multiply, 1 divide) */
 static inline void krhpr_subleg_ups3_project_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *w, const krhpr_dual *b, const krhpr_dual *N,
-    krhpr_dual *KRHPR_RESTRICT K)
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     (void)(g);
+    (void)(i);
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
     const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
     const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
@@ -422,10 +425,11 @@ static inline void krhpr_subleg_ups3_project_tangent(
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (70 add,
  * 110 multiply, 1 divide) */
 static inline void krhpr_subleg_ups3_velocity_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
+    (void)(i);
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
     const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
     const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
@@ -476,18 +480,18 @@ static inline void krhpr_subleg_ups3_velocity_tangent(
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (230 add, 230 multiply, 1
  * divide) */
 static inline void krhpr_subleg_ups3_bias_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *s, const krhpr_dual *theta,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
-    const double w_1_0 = s[0].v - g->g[0];
-    const double w_1_1 = s[1].v - g->g[1];
-    const double w_1_2 = s[2].v - g->g[2];
-    const double w_2_0 = s[0].v - g->g[3];
-    const double w_2_1 = s[1].v - g->g[4];
-    const double w_2_2 = s[2].v - g->g[5];
-    const double w_3_0 = s[0].v - g->g[6];
-    const double w_3_1 = s[1].v - g->g[7];
-    const double w_3_2 = s[2].v - g->g[8];
+    const double w_1_0 = s[0].v - g->g[0][i];
+    const double w_1_1 = s[1].v - g->g[1][i];
+    const double w_1_2 = s[2].v - g->g[2][i];
+    const double w_2_0 = s[0].v - g->g[3][i];
+    const double w_2_1 = s[1].v - g->g[4][i];
+    const double w_2_2 = s[2].v - g->g[5][i];
+    const double w_3_0 = s[0].v - g->g[6][i];
+    const double w_3_1 = s[1].v - g->g[7][i];
+    const double w_3_2 = s[2].v - g->g[8][i];
     const double h1 = w_2_1 * w_3_2 - w_2_2 * w_3_1;
     const double h2 = w_2_2 * w_3_0 - w_2_0 * w_3_2;
     const double h3 = w_2_0 * w_3_1 - w_2_1 * w_3_0;
@@ -637,10 +641,11 @@ static inline void krhpr_subleg_ups3_bias_tangent(
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 33
  * multiply, 6 divide) */
 static inline void krhpr_subleg_ups3_rates_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *w, const krhpr_dual *b, const krhpr_dual *s_dot,
-    krhpr_dual *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
     (void)(g);
+    (void)(i);
     const double w_0 = w[0].v * s_dot[0].v + w[1].v * s_dot[1].v + w[2].v * s_dot[2].v;
     const double w_1 = w[3].v * s_dot[0].v + w[4].v * s_dot[1].v + w[5].v * s_dot[2].v;
     const double w_2 = w[6].v * s_dot[0].v + w[7].v * s_dot[1].v + w[8].v * s_dot[2].v;
@@ -669,7 +674,7 @@ static inline void krhpr_subleg_ups3_rates_tangent(
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (22 add,
  * 43 multiply, 2 divide) */
 static inline void krhpr_subleg_ups3_determinant_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
     const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
@@ -680,10 +685,10 @@ static inline void krhpr_subleg_ups3_determinant_tangent(
     const double det_M_a = b[2].v * h4 / volume;
     const double h5 = 1.0 / volume;
     det_M[0].v = det_M_a;
-    factors[0].v = b[0].v * g->k[10];
-    factors[1].v = b[1].v * g->k[10];
-    factors[2].v = b[2].v * g->k[10];
-    factors[3].v = volume * g->k[9];
+    factors[0].v = b[0].v * g->k[10][i];
+    factors[1].v = b[1].v * g->k[10][i];
+    factors[2].v = b[2].v * g->k[10][i];
+    factors[3].v = volume * g->k[9][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[8].v * w[4].t[k] + w[4].v * w[8].t[k] - (w[7].v * w[5].t[k] + w[5].v * w[7].t[k]);
         const double t2 = w[6].v * w[5].t[k] + w[5].v * w[6].t[k] - (w[8].v * w[3].t[k] + w[3].v * w[8].t[k]);
@@ -691,32 +696,32 @@ static inline void krhpr_subleg_ups3_determinant_tangent(
         const double t4 = h1 * w[0].t[k] + w[0].v * t1 + (h2 * w[1].t[k] + w[1].v * t2) + (h3 * w[2].t[k] + w[2].v * t3);
         const double t5 = h4 * b[2].t[k] + b[2].v * (b[1].v * b[0].t[k] + b[0].v * b[1].t[k]) - det_M_a * t4;
         det_M[0].t[k] = h5 * t5;
-        factors[0].t[k] = g->k[10] * b[0].t[k];
-        factors[1].t[k] = g->k[10] * b[1].t[k];
-        factors[2].t[k] = g->k[10] * b[2].t[k];
-        factors[3].t[k] = g->k[9] * t4;
+        factors[0].t[k] = g->k[10][i] * b[0].t[k];
+        factors[1].t[k] = g->k[10][i] * b[1].t[k];
+        factors[2].t[k] = g->k[10][i] * b[2].t[k];
+        factors[3].t[k] = g->k[9][i] * t4;
     }
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (89 add, 158 multiply, 11
  * divide, 5 square root, 6 arctangent) */
 static inline void krhpr_subleg_ups3_passive_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *w, krhpr_dual *KRHPR_RESTRICT passive,
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, krhpr_dual *KRHPR_RESTRICT passive,
     krhpr_dual *KRHPR_RESTRICT link)
 {
-    const double strut_1_0 = g->e_x[0] * w[0].v + g->e_x[1] * w[1].v + g->e_x[2] * w[2].v;
-    const double strut_1_1 = g->e_1[0] * w[0].v + g->e_1[1] * w[1].v + g->e_1[2] * w[2].v;
-    const double strut_1_2 = g->e_t[0] * w[0].v + g->e_t[1] * w[1].v;
+    const double strut_1_0 = g->e_x[0][i] * w[0].v + g->e_x[1][i] * w[1].v + g->e_x[2][i] * w[2].v;
+    const double strut_1_1 = g->e_1[0][i] * w[0].v + g->e_1[1][i] * w[1].v + g->e_1[2][i] * w[2].v;
+    const double strut_1_2 = g->e_t[0][i] * w[0].v + g->e_t[1][i] * w[1].v;
     const double t1 = strut_1_1 * strut_1_1 + strut_1_2 * strut_1_2;
     const double strut_1_n = sqrt(t1);
-    const double strut_2_0 = g->e_x[0] * w[3].v + g->e_x[1] * w[4].v + g->e_x[2] * w[5].v;
-    const double strut_2_1 = g->e_1[0] * w[3].v + g->e_1[1] * w[4].v + g->e_1[2] * w[5].v;
-    const double strut_2_2 = g->e_t[0] * w[3].v + g->e_t[1] * w[4].v;
+    const double strut_2_0 = g->e_x[0][i] * w[3].v + g->e_x[1][i] * w[4].v + g->e_x[2][i] * w[5].v;
+    const double strut_2_1 = g->e_1[0][i] * w[3].v + g->e_1[1][i] * w[4].v + g->e_1[2][i] * w[5].v;
+    const double strut_2_2 = g->e_t[0][i] * w[3].v + g->e_t[1][i] * w[4].v;
     const double t2 = strut_2_1 * strut_2_1 + strut_2_2 * strut_2_2;
     const double strut_2_n = sqrt(t2);
-    const double strut_3_0 = g->e_x[0] * w[6].v + g->e_x[1] * w[7].v + g->e_x[2] * w[8].v;
-    const double strut_3_1 = g->e_1[0] * w[6].v + g->e_1[1] * w[7].v + g->e_1[2] * w[8].v;
-    const double strut_3_2 = g->e_t[0] * w[6].v + g->e_t[1] * w[7].v;
+    const double strut_3_0 = g->e_x[0][i] * w[6].v + g->e_x[1][i] * w[7].v + g->e_x[2][i] * w[8].v;
+    const double strut_3_1 = g->e_1[0][i] * w[6].v + g->e_1[1][i] * w[7].v + g->e_1[2][i] * w[8].v;
+    const double strut_3_2 = g->e_t[0][i] * w[6].v + g->e_t[1][i] * w[7].v;
     const double t3 = strut_3_1 * strut_3_1 + strut_3_2 * strut_3_2;
     const double strut_3_n = sqrt(t3);
     const double rho = sqrt(w[0].v * w[0].v + w[1].v * w[1].v + w[2].v * w[2].v);
@@ -724,9 +729,9 @@ static inline void krhpr_subleg_ups3_passive_tangent(
     const double along_0 = w[0].v * h10;
     const double along_1 = w[1].v * h10;
     const double along_2 = w[2].v * h10;
-    const double normal_0 = g->e_x[1] * along_2 - g->e_x[2] * along_1;
-    const double normal_1 = g->e_x[2] * along_0 - g->e_x[0] * along_2;
-    const double normal_2 = g->e_x[0] * along_1 - g->e_x[1] * along_0;
+    const double normal_0 = g->e_x[1][i] * along_2 - g->e_x[2][i] * along_1;
+    const double normal_1 = g->e_x[2][i] * along_0 - g->e_x[0][i] * along_2;
+    const double normal_2 = g->e_x[0][i] * along_1 - g->e_x[1][i] * along_0;
     const double size = sqrt(normal_0 * normal_0 + normal_1 * normal_1 + normal_2 * normal_2);
     const double h11 = 1.0 / size;
     const double across_0 = normal_0 * h11;
@@ -757,21 +762,21 @@ static inline void krhpr_subleg_ups3_passive_tangent(
     link[7].v = along_1 * across_0 - along_0 * across_1;
     link[8].v = across_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g->e_1[0] * w[0].t[k] + g->e_1[1] * w[1].t[k] + g->e_1[2] * w[2].t[k];
-        const double t5 = g->e_t[0] * w[0].t[k] + g->e_t[1] * w[1].t[k];
+        const double t4 = g->e_1[0][i] * w[0].t[k] + g->e_1[1][i] * w[1].t[k] + g->e_1[2][i] * w[2].t[k];
+        const double t5 = g->e_t[0][i] * w[0].t[k] + g->e_t[1][i] * w[1].t[k];
         const double t6 = strut_1_1 * t4;
         const double t7 = strut_1_2 * t5;
-        const double t8 = strut_1_n * (g->e_x[0] * w[0].t[k] + g->e_x[1] * w[1].t[k] + g->e_x[2] * w[2].t[k]);
-        const double t9 = g->e_1[0] * w[3].t[k] + g->e_1[1] * w[4].t[k] + g->e_1[2] * w[5].t[k];
-        const double t10 = g->e_t[0] * w[3].t[k] + g->e_t[1] * w[4].t[k];
+        const double t8 = strut_1_n * (g->e_x[0][i] * w[0].t[k] + g->e_x[1][i] * w[1].t[k] + g->e_x[2][i] * w[2].t[k]);
+        const double t9 = g->e_1[0][i] * w[3].t[k] + g->e_1[1][i] * w[4].t[k] + g->e_1[2][i] * w[5].t[k];
+        const double t10 = g->e_t[0][i] * w[3].t[k] + g->e_t[1][i] * w[4].t[k];
         const double t11 = strut_2_1 * t9;
         const double t12 = strut_2_2 * t10;
-        const double t13 = strut_2_n * (g->e_x[0] * w[3].t[k] + g->e_x[1] * w[4].t[k] + g->e_x[2] * w[5].t[k]);
-        const double t14 = g->e_1[0] * w[6].t[k] + g->e_1[1] * w[7].t[k] + g->e_1[2] * w[8].t[k];
-        const double t15 = g->e_t[0] * w[6].t[k] + g->e_t[1] * w[7].t[k];
+        const double t13 = strut_2_n * (g->e_x[0][i] * w[3].t[k] + g->e_x[1][i] * w[4].t[k] + g->e_x[2][i] * w[5].t[k]);
+        const double t14 = g->e_1[0][i] * w[6].t[k] + g->e_1[1][i] * w[7].t[k] + g->e_1[2][i] * w[8].t[k];
+        const double t15 = g->e_t[0][i] * w[6].t[k] + g->e_t[1][i] * w[7].t[k];
         const double t16 = strut_3_1 * t14;
         const double t17 = strut_3_2 * t15;
-        const double t18 = strut_3_n * (g->e_x[0] * w[6].t[k] + g->e_x[1] * w[7].t[k] + g->e_x[2] * w[8].t[k]);
+        const double t18 = strut_3_n * (g->e_x[0][i] * w[6].t[k] + g->e_x[1][i] * w[7].t[k] + g->e_x[2][i] * w[8].t[k]);
         const double t19 = w[0].v * w[0].t[k];
         const double t20 = w[1].v * w[1].t[k];
         const double t21 = w[2].v * w[2].t[k];
@@ -779,9 +784,9 @@ static inline void krhpr_subleg_ups3_passive_tangent(
         const double t23 = h10 * w[0].t[k] - w[0].v * t22;
         const double t24 = h10 * w[1].t[k] - w[1].v * t22;
         const double t25 = h10 * w[2].t[k] - w[2].v * t22;
-        const double t26 = g->e_x[1] * t25 - g->e_x[2] * t24;
-        const double t27 = g->e_x[2] * t23 - g->e_x[0] * t25;
-        const double t28 = g->e_x[0] * t24 - g->e_x[1] * t23;
+        const double t26 = g->e_x[1][i] * t25 - g->e_x[2][i] * t24;
+        const double t27 = g->e_x[2][i] * t23 - g->e_x[0][i] * t25;
+        const double t28 = g->e_x[0][i] * t24 - g->e_x[1][i] * t23;
         const double t29 = normal_0 * t26;
         const double t30 = normal_1 * t27;
         const double t31 = normal_2 * t28;
@@ -809,17 +814,17 @@ static inline void krhpr_subleg_ups3_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 static inline void krhpr_subleg_ups3_points_tangent(
-    const krhpr_subleg_ups3_geometry *g, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    points[0].v = g->g[0];
-    points[1].v = g->g[1];
-    points[2].v = g->g[2];
-    points[3].v = g->g[3];
-    points[4].v = g->g[4];
-    points[5].v = g->g[5];
-    points[6].v = g->g[6];
-    points[7].v = g->g[7];
-    points[8].v = g->g[8];
+    points[0].v = g->g[0][i];
+    points[1].v = g->g[1][i];
+    points[2].v = g->g[2][i];
+    points[3].v = g->g[3][i];
+    points[4].v = g->g[4][i];
+    points[5].v = g->g[5][i];
+    points[6].v = g->g[6][i];
+    points[7].v = g->g[7][i];
+    points[8].v = g->g[8][i];
     points[9].v = s[0].v;
     points[10].v = s[1].v;
     points[11].v = s[2].v;

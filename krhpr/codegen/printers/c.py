@@ -46,11 +46,11 @@ def print_kernel(kernel: Kernel) -> Body:
 
 
 def input_text(kernel: Kernel, ref: InputRef) -> str:
-    """How a kernel reads one component of an input or of its geometry."""
+    """How a kernel reads one component of an input, or of the geometry of leg `i`."""
     if ref.port.startswith(GEOMETRY_PREFIX):
         assert kernel.geometry is not None
         field = ref.port.removeprefix(GEOMETRY_PREFIX)
-        return f"g->{field}[{ref.index}]" if is_array(kernel.geometry, field) else f"g->{field}"
+        return f"g->{field}[{ref.index}][i]" if is_array(kernel.geometry, field) else f"g->{field}[i]"
     return f"{ref.port}[{ref.index}]" if kernel.input_port(ref.port).shape else ref.port
 
 

@@ -394,7 +394,7 @@ class _Plan:
     def _text(
         self, call: Call, part: Part, kernel: Kernel, special: dict[str, str], indent: int | None = None
     ) -> str:
-        arguments = [f"&g->{call.part}[i]"] if kernel.geometry is not None else []
+        arguments = [f"&g->{call.part}", "i"] if kernel.geometry is not None else []
         for port in kernel.inputs:
             arguments.append(
                 special.get(port.name) or self._reference(call.variable_in(port.name), call.stage)

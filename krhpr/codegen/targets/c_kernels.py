@@ -30,16 +30,16 @@ def kernel_view(part: str, kernel: Kernel) -> KernelView:
     """A kernel with its lines printed in C."""
     body = print_kernel(kernel)
     used = {ref.port.split(".")[0] for ref in body.inputs_used}
-    parameters = [f"const krhpr_{part}_geometry *g"] if kernel.geometry else []
+    parameters = [f"const krhpr_{part}_geometry *g", "int i"] if kernel.geometry else []
     parameters += [_parameter(port) for port in kernel.inputs]
     unused = [port.name for port in kernel.inputs if port.name not in used]
     if kernel.geometry and "g" not in used:
-        unused.insert(0, "g")
+        unused[:0] = ["g", "i"]
     if kernel.name == "prepare":
-        parameters, unused = [f"krhpr_{part}_geometry *g"], []
+        parameters = [f"krhpr_{part}_geometry *g", "int i"]
         body_lines = tuple(_statement(line, lambda text: _fields_of_g(kernel, text)) for line in body.lines)
         stores = tuple(
-            (f"g->{_element(port, index)}", _fields_of_g(kernel, text))
+            (f"g->{_element(port, index)}[i]", _fields_of_g(kernel, text))
             for port in kernel.outputs
             for index, text in enumerate(body.results[port.name])
         )
@@ -69,7 +69,7 @@ def _statement(line: Line | Pair, rewrite: Callable[[str], str]) -> tuple[str, s
 def _fields_of_g(kernel: Kernel, text: str) -> str:
     """`prepare` reads the geometry's own fields: scalar parameters become members."""
     names = "|".join(sorted((re.escape(port.name) for port in kernel.inputs), key=len, reverse=True))
-    return re.sub(rf"(?<![\w>.])({names})(?![\w\[])", r"g->\1", text)
+    return re.sub(rf"(?<![\w>.])({names})(?![\w\[])", r"g->\1[i]", text)
 
 
 def _parameter(port: Port, *, output: bool = False) -> str:
@@ -85,11 +85,11 @@ def _element(port: Port, index: int, *, output: bool = False) -> str:
 
 
 def geometry_view(geometry: GeometryType | None) -> dict[str, list[tuple[str, str]]]:
-    """Members of a leg's structure: what a person sets, what `prepare` computes."""
+    """Members of a part's structure, arrays over the legs: what a person sets, what `prepare` computes."""
     if geometry is None:
         return {"fields": [], "prepared": []}
-    fields = [(f"double {field.name};", f"{field.doc} ({field.unit})") for field in geometry.fields]
-    prepared = [(f"double {port.name}[{port.size}];", port.doc) for port in geometry.prepare.outputs]
+    fields = [(f"double {field.name}[KRHPR_PLACES];", f"{field.doc} ({field.unit})") for field in geometry.fields]
+    prepared = [(f"double {port.name}[{port.size}][KRHPR_PLACES];", port.doc) for port in geometry.prepare.outputs]
     return {"fields": fields, "prepared": prepared}
 
 
@@ -109,7 +109,7 @@ def positive_fields(robot: RobotCode) -> list[str]:
     found = []
     for member, part in (("subleg", robot.subleg), ("platform", robot.platform)):
         assert part.geometry is not None
-        found += [f"{member}[i].{field.name}" for field in part.geometry.fields if field.positive]
+        found += [f"{member}.{field.name}[i]" for field in part.geometry.fields if field.positive]
     return found
 
 

@@ -58,13 +58,13 @@ def _twin_view(part: Part, kernel: Kernel, twin: Kernel) -> TwinView:
         each += [
             f"{port.name}[{j}].t[k] = {text};" for j, text in enumerate(body.results[port.name + SUFFIX])
         ]
-    parameters = [f"const krhpr_{part.name}_geometry *g"] if kernel.geometry else []
+    parameters = [f"const krhpr_{part.name}_geometry *g", "int i"] if kernel.geometry else []
     parameters += [f"const {_type(port)} *{port.name}" for port in kernel.inputs]
     parameters += [f"krhpr_dual *KRHPR_RESTRICT {port.name}" for port in twin_outputs(kernel)]
     used = {ref.port.split(".")[0].removesuffix(SUFFIX) for ref in body.inputs_used}
     unused = [port.name for port in kernel.inputs if port.name not in used]
     if kernel.geometry and "g" not in used:
-        unused.insert(0, "g")
+        unused[:0] = ["g", "i"]
     symbol = f"krhpr_{part.name}_{twin.name}"
     return TwinView(symbol, kernel_comment(twin), tuple(parameters), tuple(unused), tuple(once), tuple(each))
 
@@ -170,7 +170,7 @@ class TwinFunction:
 
     def _call(self, call: Call) -> str:
         kernel = self._kernel(call)
-        arguments = [f"&geometry.{call.part}[i]"] if kernel.geometry is not None else []
+        arguments = [f"&geometry.{call.part}", "i"] if kernel.geometry is not None else []
         names = [call.variable_in(port.name) for port in kernel.inputs]
         names += [call.variable_out(port.name) for port in twin_outputs(kernel)]
         arguments += [self._argument(self.known[name], call.stage) for name in names]
