@@ -38,6 +38,13 @@
 #define KRHPR_OUTLINE static inline
 #endif
 
+/* What is always written into its caller: arrays of vectors then are registers. */
+#if defined(__GNUC__)
+#define KRHPR_INLINE __attribute__((always_inline)) static inline
+#else
+#define KRHPR_INLINE static inline
+#endif
+
 /* Keeps a loop small where speed does not depend on it. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define KRHPR_ROLLED _Pragma("GCC unroll 1")
@@ -75,17 +82,6 @@ static inline double krhpr_min(double a, double b)
 static inline double krhpr_max(double a, double b)
 {
     return a > b ? a : b;
-}
-
-/* Zero where all n values are finite, NaN where one is NaN or infinite. */
-static inline double krhpr_taint(const double *x, int n)
-{
-    double taint = 0.0;
-    KRHPR_ROLLED
-    for (int k = 0; k < n; ++k) {
-        taint += x[k] * 0.0;
-    }
-    return taint;
 }
 
 static inline void krhpr_copy(double *to, const double *from, int n)

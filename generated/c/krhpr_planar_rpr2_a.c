@@ -6,6 +6,9 @@
 #include "krhpr_planar_rpr2_a.h"
 
 #include "krhpr_algebra_planar.h"
+#include "krhpr_algebra_planar_lanes.h"
+#include "krhpr_platform_planar_a_lanes.h"
+#include "krhpr_subleg_planar_rpr2_lanes.h"
 #include "krhpr_roots.h"
 
 static const double assembly_default[3] = {1.0, 1.0, 1.0};
@@ -15,17 +18,17 @@ KRHPR_API int krhpr_planar_rpr2_a_prepare(krhpr_planar_rpr2_a_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.l_0[KRHPR_PLACES - 1] = g->subleg.l_0[2];
-    valid &= krhpr_taint(g->subleg.l_0, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_0, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_planar_rpr2_prepare(&g->subleg, i);
         krhpr_platform_planar_a_prepare(&g->platform, i);
@@ -71,22 +74,29 @@ KRHPR_API int krhpr_planar_rpr2_a_end_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point(
-            &g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
     }
     return status;
 }
@@ -114,7 +124,7 @@ KRHPR_API int krhpr_planar_rpr2_a_redundant_coordinates(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -123,16 +133,20 @@ KRHPR_API int krhpr_planar_rpr2_a_redundant_coordinates(
     double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform, i, p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        redundant[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_platform_planar_a_redundant_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        redundant_legs[0] = tail_legs[0];
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -163,12 +177,19 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_planar_rpr2_forward_lanes(
+            &g->subleg, i, theta_legs, assembly_legs, s_legs, radicand_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -200,12 +221,17 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 6))) {
         krhpr_fill_nan(s, 12);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward_all(&g->subleg, i, theta + 2 * i, s + 4 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[4];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_planar_rpr2_forward_all_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
+        krhpr_legs_store(s, 4, s_legs, 4, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -236,12 +262,17 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_planar_rpr2_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 2, theta_legs, 2, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -272,15 +303,21 @@ KRHPR_API int krhpr_planar_rpr2_a_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(M, 12);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double w[4];
-        double b[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_jacobian(&g->subleg, i, w, b, M + 4 * i, &regularity[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes M_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_jacobian_lanes(&g->subleg, i, w_legs, b_legs, M_legs, regularity_legs);
+        krhpr_legs_store(M, 4, M_legs, 4, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -313,7 +350,7 @@ KRHPR_API int krhpr_planar_rpr2_a_constraints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(residual, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -323,8 +360,13 @@ KRHPR_API int krhpr_planar_rpr2_a_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes residual_legs[1];
+        krhpr_platform_planar_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 1, residual_legs, 1, i);
     }
     return status;
 }
@@ -353,7 +395,7 @@ KRHPR_API int krhpr_planar_rpr2_a_jacobians(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
@@ -367,17 +409,24 @@ KRHPR_API int krhpr_planar_rpr2_a_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double w[4];
-        double b[2];
-        double K_block[2];
-        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
-        for (int k = 0; k < 2; ++k) {
-            K[8 * i + 0 + k] = K_block[0 + k];
-        }
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes K_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_project_lanes(
+            &g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J, 3, J_legs, 3, i);
+        krhpr_legs_store(K, 8, K_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -412,7 +461,7 @@ KRHPR_API int krhpr_planar_rpr2_a_jacobian_blocks(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 6);
         return KRHPR_INVALID_INPUT;
@@ -423,13 +472,24 @@ KRHPR_API int krhpr_planar_rpr2_a_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double w[4];
-        double b[2];
-        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_project(&g->subleg, i, w, b, N, K + 2 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes K_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_project_lanes(
+            &g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J, 3, J_legs, 3, i);
+        krhpr_legs_store(K, 2, K_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -464,23 +524,33 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse(
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rpr2_inverse(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes theta_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_planar_rpr2_inverse_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 2, theta_legs, 2, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -515,23 +585,33 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse_all(
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rpr2_inverse_all(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes theta_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_planar_rpr2_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 2, theta_legs, 2, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -565,23 +645,31 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse_status(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rpr2_reach(&g->subleg, i, &excess[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_planar_rpr2_reach_lanes(&g->subleg, i, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -619,8 +707,8 @@ KRHPR_API int krhpr_planar_rpr2_a_twist(
     double regularity[3];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(theta_dot, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(theta_dot, 6))) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -630,16 +718,31 @@ KRHPR_API int krhpr_planar_rpr2_a_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double scale[2];
-        double w[4];
-        double b[2];
-        double s_dot[2];
-        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity(&g->subleg, i, w, b, theta_dot + 2 * i, s_dot, &regularity[i]);
-        krhpr_algebra_planar_rate(N, s_dot, rate + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes rate_legs[1];
+        krhpr_platform_planar_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_velocity_lanes(
+            &g->subleg, i, w_legs, b_legs, theta_dot_legs, s_dot_legs, regularity_legs);
+        krhpr_algebra_planar_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
     for (int i = 0; i < 3; ++i) {
@@ -681,8 +784,8 @@ KRHPR_API int krhpr_planar_rpr2_a_joint_rates(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -692,14 +795,25 @@ KRHPR_API int krhpr_planar_rpr2_a_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[2];
-        double w[4];
-        double b[2];
-        krhpr_platform_planar_a_end_velocity(
-            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates(&g->subleg, i, w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes theta_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_planar_a_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_rates_lanes(
+            &g->subleg, i, w_legs, b_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -739,8 +853,8 @@ KRHPR_API int krhpr_planar_rpr2_a_platform_acceleration(
     double regularity[3];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6))) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -750,24 +864,43 @@ KRHPR_API int krhpr_planar_rpr2_a_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double scale[2];
-        double s_dot[2];
-        double bias[2];
-        double w[4];
-        double b[2];
-        double along[2];
-        double s_ddot[2];
-        double row_bias[1];
-        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rpr2_bias(
-            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_velocity(&g->subleg, i, w, b, theta_ddot + 2 * i, along, &regularity[i]);
-        krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_a_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
-        krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
+        krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes bias_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes s_ddot_legs[2];
+        krhpr_lanes row_bias_legs[1];
+        krhpr_lanes rate_legs[1];
+        krhpr_platform_planar_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_rpr2_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_legs, bias_legs, regularity_legs);
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_velocity_lanes(
+            &g->subleg, i, w_legs, b_legs, theta_ddot_legs, along_legs, regularity_legs);
+        krhpr_algebra_planar_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_planar_a_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_planar_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
     for (int i = 0; i < 3; ++i) {
@@ -811,9 +944,9 @@ KRHPR_API int krhpr_planar_rpr2_a_joint_accelerations(
     double Q[4];
     double parallel_regularity[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
           krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -823,23 +956,39 @@ KRHPR_API int krhpr_planar_rpr2_a_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[2];
-        double s_ddot[2];
-        double s_dot_again[2];
-        double bias[2];
-        double along[2];
-        double w[4];
-        double b[2];
-        krhpr_platform_planar_a_end_acceleration(
-            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_planar_rpr2_bias(
-            &g->subleg, i, s + 2 * i, theta + 2 * i, theta_dot + 2 * i, s_dot_again, bias,
-            &parallel_regularity[i]);
-        krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_rates(&g->subleg, i, w, b, along, theta_ddot + 2 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes s_ddot_legs[2];
+        krhpr_lanes s_dot_again_legs[2];
+        krhpr_lanes bias_legs[2];
+        krhpr_lanes parallel_regularity_legs[1];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes theta_ddot_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_planar_a_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_planar_rpr2_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_again_legs, bias_legs,
+            parallel_regularity_legs);
+        krhpr_algebra_planar_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_rates_lanes(
+            &g->subleg, i, w_legs, b_legs, along_legs, theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
+        krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -879,7 +1028,7 @@ KRHPR_API int krhpr_planar_rpr2_a_passive_joints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(passive, 9);
         krhpr_fill_nan(wrist, 3);
         krhpr_fill_nan(platform_joint, 3);
@@ -890,28 +1039,36 @@ KRHPR_API int krhpr_planar_rpr2_a_passive_joints(
     double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(15)] = {0.0};
-    double tail_x[KRHPR_PADDED(15)] = {0.0};
-    double tail[KRHPR_PADDED(15)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double w[4];
-        double b[2];
-        double link[2];
-        double redundant_link[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_passive(&g->subleg, i, w, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_planar_a_joint(
-            &g->platform, i, p, Q, s + 2 * i, redundant_link, tail_y + 9 + 1 * i, tail_x + 9 + 1 * i);
-        krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 12 + 1 * i, tail_x + 12 + 1 * i);
-    }
-    krhpr_atan2_array(15, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        passive[3 * i + 0] = tail[3 * i + 0];
-        passive[3 * i + 1] = tail[3 * i + 1];
-        passive[3 * i + 2] = tail[3 * i + 2];
-        platform_joint[i] = tail[9 + 1 * i + 0];
-        wrist[i] = tail[12 + 1 * i + 0];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes link_legs[2];
+        krhpr_lanes passive_legs[3];
+        krhpr_lanes redundant_link_legs[2];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes wrist_legs[1];
+        krhpr_lanes tail_y_legs[5];
+        krhpr_lanes tail_x_legs[5];
+        krhpr_lanes tail_legs[5];
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_passive_lanes(&g->subleg, i, w_legs, link_legs, tail_y_legs, tail_x_legs);
+        krhpr_platform_planar_a_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, tail_y_legs + 3, tail_x_legs + 3);
+        krhpr_algebra_planar_wrist_lanes(link_legs, redundant_link_legs, tail_y_legs + 4, tail_x_legs + 4);
+        krhpr_lanes_atan2_each(5, tail_y_legs, tail_x_legs, tail_legs);
+        passive_legs[0] = tail_legs[0];
+        passive_legs[1] = tail_legs[1];
+        passive_legs[2] = tail_legs[2];
+        platform_joint_legs[0] = tail_legs[3];
+        wrist_legs[0] = tail_legs[4];
+        krhpr_legs_store(passive, 3, passive_legs, 3, i);
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(wrist, 1, wrist_legs, 1, i);
     }
     return status;
 }
@@ -940,7 +1097,7 @@ KRHPR_API int krhpr_planar_rpr2_a_link_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(points, 18);
         krhpr_fill_nan(attachment, 6);
         return KRHPR_INVALID_INPUT;
@@ -951,12 +1108,20 @@ KRHPR_API int krhpr_planar_rpr2_a_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double w[4];
-        double b[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_points(&g->subleg, i, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_a_attachment(&g->platform, i, p, Q, attachment + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes points_legs[6];
+        krhpr_lanes attachment_legs[2];
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_points_lanes(&g->subleg, i, s_legs, points_legs);
+        krhpr_platform_planar_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 6, points_legs, 6, i);
+        krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
     }
     return status;
 }
@@ -988,7 +1153,7 @@ KRHPR_API int krhpr_planar_rpr2_a_singularity(
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 1);
@@ -1001,14 +1166,28 @@ KRHPR_API int krhpr_planar_rpr2_a_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double w[4];
-        double b[2];
-        double N[2];
-        krhpr_subleg_planar_rpr2_posture(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
-        krhpr_subleg_planar_rpr2_determinant(&g->subleg, i, w, b, &type_1[i], factors + 3 * i);
-        krhpr_platform_planar_a_line(
-            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[3];
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_rpr2_determinant_lanes(&g->subleg, i, w_legs, b_legs, type_1_legs, factors_legs);
+        krhpr_platform_planar_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 3, factors_legs, 3, i);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1040,21 +1219,26 @@ KRHPR_API int krhpr_planar_rpr2_a_type_2_of_redundant(
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 1);
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_line_of_redundant_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_line_of_redundant(
-            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_line_of_redundant_lanes(
+            &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1087,7 +1271,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_all(
     double points[6];
     double sextic[7];
     double found[1];
-    if (!(krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(p, 12);
         krhpr_fill_nan(phi, 6);
         krhpr_fill_nan(redundant, 18);
@@ -1096,8 +1280,12 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1208,7 +1396,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3) + krhpr_taint(box, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3) + krhpr_taint(box, 6))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1216,9 +1404,20 @@ KRHPR_API int krhpr_planar_rpr2_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rpr2_forward(&g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_subleg_planar_rpr2_forward_lanes(
+            &g->subleg, i, theta_legs, assembly_legs, s_legs, radicand_legs);
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1330,7 +1529,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(p_near, 2) + krhpr_taint(&phi_near, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(p_near, 2) + krhpr_taint(&phi_near, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1346,8 +1545,12 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_newton(
     double tail_x[KRHPR_PADDED(4)] = {0.0};
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1419,7 +1622,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_1(
     double arm[6];
     double radicand[1];
     double agreement[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 4);
         krhpr_fill_nan(phi, 2);
         krhpr_fill_nan(mismatch, 2);
@@ -1434,9 +1637,15 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_1(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1490,7 +1699,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1506,9 +1715,15 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1567,7 +1782,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1583,9 +1798,15 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1646,7 +1867,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1662,9 +1883,15 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1744,7 +1971,7 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1760,9 +1987,15 @@ KRHPR_API int krhpr_planar_rpr2_a_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1872,7 +2105,7 @@ KRHPR_API int krhpr_planar_rpr2_a_inverse_near(
     double all[6];
     int status = krhpr_planar_rpr2_a_inverse_all(g, p, phi, redundant, all);
     krhpr_fill_nan(theta, 6);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 6) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 6))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -6,6 +6,9 @@
 #include "krhpr_planar_rr_c.h"
 
 #include "krhpr_algebra_planar.h"
+#include "krhpr_algebra_planar_lanes.h"
+#include "krhpr_platform_planar_c_lanes.h"
+#include "krhpr_subleg_planar_rr_lanes.h"
 
 static const double mode_default[3] = {1.0, 1.0, 1.0};
 
@@ -13,15 +16,15 @@ KRHPR_API int krhpr_planar_rr_c_prepare(krhpr_planar_rr_c_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_planar_rr_prepare(&g->subleg, i);
         krhpr_platform_planar_c_prepare(&g->platform, i);
@@ -66,7 +69,7 @@ KRHPR_API int krhpr_planar_rr_c_end_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -76,8 +79,13 @@ KRHPR_API int krhpr_planar_rr_c_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
     }
     return status;
 }
@@ -105,7 +113,7 @@ KRHPR_API int krhpr_planar_rr_c_redundant_coordinates(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -115,8 +123,13 @@ KRHPR_API int krhpr_planar_rr_c_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_redundant(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -142,19 +155,20 @@ KRHPR_API int krhpr_planar_rr_c_subleg_forward(
     const krhpr_planar_rr_c_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 6))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward_angles(theta + 2 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward(&g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
     }
     return status;
 }
@@ -179,23 +193,26 @@ KRHPR_API int krhpr_planar_rr_c_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[KRHPR_PADDED(12)] = {0.0};
-    double tail_x[KRHPR_PADDED(12)] = {0.0};
-    double tail[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_inverse_all(
-            &g->subleg, i, s + 2 * i, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
-    }
-    krhpr_atan2_array(12, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
+        krhpr_lanes tail_y_legs[4];
+        krhpr_lanes tail_x_legs[4];
+        krhpr_lanes tail_legs[4];
+        krhpr_subleg_planar_rr_inverse_all_lanes(
+            &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -225,22 +242,24 @@ KRHPR_API int krhpr_planar_rr_c_subleg_jacobian(
     const krhpr_planar_rr_c_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(M, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        krhpr_subleg_planar_rr_posture(&g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_jacobian(&g->subleg, i, d, v_1, M + 4 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes M_legs[4];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_jacobian_lanes(&g->subleg, i, d_legs, v_1_legs, M_legs);
+        krhpr_legs_store(M, 4, M_legs, 4, i);
     }
     return status;
 }
@@ -267,7 +286,7 @@ KRHPR_API int krhpr_planar_rr_c_constraints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(residual, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -277,8 +296,13 @@ KRHPR_API int krhpr_planar_rr_c_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes residual_legs[1];
+        krhpr_platform_planar_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 1, residual_legs, 1, i);
     }
     return status;
 }
@@ -306,7 +330,7 @@ KRHPR_API int krhpr_planar_rr_c_jacobians(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
@@ -314,27 +338,32 @@ KRHPR_API int krhpr_planar_rr_c_jacobians(
     for (int k = 0; k < 18; ++k) {
         K[k] = 0.0;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double d[2];
-        double v_1[2];
-        double K_block[2];
-        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_project(&g->subleg, i, d, v_1, N, K_block);
-        for (int k = 0; k < 2; ++k) {
-            K[8 * i + 0 + k] = K_block[0 + k];
-        }
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 3, J_legs, 3, i);
+        krhpr_legs_store(K, 8, K_legs, 2, i);
     }
     return status;
 }
@@ -362,28 +391,37 @@ KRHPR_API int krhpr_planar_rr_c_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double d[2];
-        double v_1[2];
-        krhpr_platform_planar_c_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_project(&g->subleg, i, d, v_1, N, K + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 3, J_legs, 3, i);
+        krhpr_legs_store(K, 2, K_legs, 2, i);
     }
     return status;
 }
@@ -415,7 +453,7 @@ KRHPR_API int krhpr_planar_rr_c_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -424,20 +462,26 @@ KRHPR_API int krhpr_planar_rr_c_inverse(
     double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(6)] = {0.0};
-    double tail_x[KRHPR_PADDED(6)] = {0.0};
-    double tail[KRHPR_PADDED(6)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_inverse(
-            &g->subleg, i, s, mode + i, &radicand[i], tail_y + 2 * i, tail_x + 2 * i);
-    }
-    krhpr_atan2_array(6, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[2 * i + 0] = tail[2 * i + 0];
-        theta[2 * i + 1] = tail[2 * i + 1];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[2];
+        krhpr_lanes tail_y_legs[2];
+        krhpr_lanes tail_x_legs[2];
+        krhpr_lanes tail_legs[2];
+        krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_planar_rr_inverse_lanes(
+            &g->subleg, i, s_legs, mode_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(2, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 2, theta_legs, 2, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -472,7 +516,7 @@ KRHPR_API int krhpr_planar_rr_c_inverse_all(
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
@@ -481,21 +525,27 @@ KRHPR_API int krhpr_planar_rr_c_inverse_all(
     double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(12)] = {0.0};
-    double tail_x[KRHPR_PADDED(12)] = {0.0};
-    double tail[KRHPR_PADDED(12)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_inverse_all(&g->subleg, i, s, &radicand[i], tail_y + 4 * i, tail_x + 4 * i);
-    }
-    krhpr_atan2_array(12, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
+        krhpr_lanes tail_y_legs[4];
+        krhpr_lanes tail_x_legs[4];
+        krhpr_lanes tail_legs[4];
+        krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_planar_rr_inverse_all_lanes(
+            &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -532,7 +582,7 @@ KRHPR_API int krhpr_planar_rr_c_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -542,10 +592,15 @@ KRHPR_API int krhpr_planar_rr_c_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_planar_rr_reach(&g->subleg, i, s, &excess[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
+        krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_planar_rr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -582,31 +637,44 @@ KRHPR_API int krhpr_planar_rr_c_twist(
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(theta_dot, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(theta_dot, 6))) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double scale[2];
-        double d[2];
-        double v_1[2];
-        double s_dot[2];
-        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_velocity(&g->subleg, i, d, v_1, theta_dot + 2 * i, s_dot);
-        krhpr_algebra_planar_rate(N, s_dot, rate + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes rate_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_velocity_lanes(&g->subleg, i, d_legs, v_1_legs, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_planar_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -643,29 +711,41 @@ KRHPR_API int krhpr_planar_rr_c_joint_rates(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[2];
-        double d[2];
-        double v_1[2];
-        krhpr_platform_planar_c_end_velocity(
-            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_rates(&g->subleg, i, d, v_1, s_dot, theta_dot + 2 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes theta_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_rates_lanes(
+            &g->subleg, i, d_legs, v_1_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -704,39 +784,55 @@ KRHPR_API int krhpr_planar_rr_c_platform_acceleration(
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6))) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_bias_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double scale[2];
-        double s_dot[2];
-        double bias[2];
-        double d[2];
-        double v_1[2];
-        double along[2];
-        double s_ddot[2];
-        double row_bias[1];
-        krhpr_platform_planar_c_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rr_bias(
-            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot, bias);
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_velocity(&g->subleg, i, d, v_1, theta_ddot + 2 * i, along);
-        krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_c_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
-        krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
+        krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes bias_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes s_ddot_legs[2];
+        krhpr_lanes row_bias_legs[1];
+        krhpr_lanes rate_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_rr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_legs, bias_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_velocity_lanes(&g->subleg, i, d_legs, v_1_legs, theta_ddot_legs, along_legs);
+        krhpr_algebra_planar_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_planar_c_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_planar_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -774,39 +870,53 @@ KRHPR_API int krhpr_planar_rr_c_joint_accelerations(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
           krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_bias_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[2];
-        double s_ddot[2];
-        double s_dot_again[2];
-        double bias[2];
-        double along[2];
-        double d[2];
-        double v_1[2];
-        krhpr_platform_planar_c_end_acceleration(
-            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_planar_rr_bias(
-            &g->subleg, i, s + 2 * i, theta_dot + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, s_dot_again,
-            bias);
-        krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_rates(&g->subleg, i, d, v_1, along, theta_ddot + 2 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes s_ddot_legs[2];
+        krhpr_lanes s_dot_again_legs[2];
+        krhpr_lanes bias_legs[2];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes theta_ddot_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_planar_rr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_again_legs, bias_legs);
+        krhpr_algebra_planar_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_rates_lanes(
+            &g->subleg, i, d_legs, v_1_legs, along_legs, theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -841,37 +951,45 @@ KRHPR_API int krhpr_planar_rr_c_passive_joints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(wrist, 3);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        double link[2];
-        double redundant_link[2];
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_passive(&g->subleg, i, v_1, link);
-        krhpr_platform_planar_c_joint(&g->platform, i, p, Q, s + 2 * i, redundant_link, &platform_joint[i]);
-        krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        wrist[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes link_legs[2];
+        krhpr_lanes redundant_link_legs[2];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes wrist_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_passive_lanes(&g->subleg, i, v_1_legs, link_legs);
+        krhpr_platform_planar_c_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, platform_joint_legs);
+        krhpr_algebra_planar_wrist_lanes(link_legs, redundant_link_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        wrist_legs[0] = tail_legs[0];
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(wrist, 1, wrist_legs, 1, i);
     }
     return status;
 }
@@ -899,27 +1017,34 @@ KRHPR_API int krhpr_planar_rr_c_link_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(points, 18);
         krhpr_fill_nan(attachment, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_points(&g->subleg, i, d, v_1, s + 2 * i, points + 6 * i);
-        krhpr_platform_planar_c_attachment(&g->platform, i, s + 2 * i, attachment + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[6];
+        krhpr_lanes attachment_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_points_lanes(&g->subleg, i, d_legs, v_1_legs, s_legs, points_legs);
+        krhpr_platform_planar_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
+        krhpr_legs_store(points, 6, points_legs, 6, i);
+        krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
     }
     return status;
 }
@@ -951,31 +1076,46 @@ KRHPR_API int krhpr_planar_rr_c_singularity(
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 3);
         krhpr_fill_nan(type_2, 1);
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_posture_angles(theta + 2 * i, angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        double N[2];
-        krhpr_subleg_planar_rr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
-        krhpr_subleg_planar_rr_determinant(&g->subleg, i, d, v_1, &type_1[i], factors + i);
-        krhpr_platform_planar_c_line(
-            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[1];
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_planar_rr_determinant_lanes(&g->subleg, i, d_legs, v_1_legs, type_1_legs, factors_legs);
+        krhpr_platform_planar_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 1, factors_legs, 1, i);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1007,14 +1147,21 @@ KRHPR_API int krhpr_planar_rr_c_type_2_of_redundant(
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 1);
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_line_of_redundant(
-            &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_platform_planar_c_line_of_redundant_lanes(
+            &g->platform, i, redundant_legs[0], line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1045,7 +1192,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_all(
     double slide[6];
     double breadth[1];
     double radicand[1];
-    if (!(krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(p, 4);
         krhpr_fill_nan(phi, 2);
         krhpr_fill_nan(redundant, 6);
@@ -1056,8 +1203,10 @@ KRHPR_API int krhpr_planar_rr_c_forward_all(
     double tail_y[KRHPR_PADDED(2)] = {0.0};
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1109,7 +1258,7 @@ KRHPR_API int krhpr_planar_rr_c_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!(krhpr_taint(theta, 6) + krhpr_taint(&side, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1117,19 +1266,22 @@ KRHPR_API int krhpr_planar_rr_c_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward_angles(theta + 2 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rr_forward(&g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 2 * i);
-        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
@@ -1185,7 +1337,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1195,8 +1347,10 @@ KRHPR_API int krhpr_planar_rr_c_forward_encoders_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1252,7 +1406,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1262,8 +1416,10 @@ KRHPR_API int krhpr_planar_rr_c_forward_encoders_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1321,7 +1477,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1331,8 +1487,10 @@ KRHPR_API int krhpr_planar_rr_c_forward_gauss_newton_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1408,7 +1566,7 @@ KRHPR_API int krhpr_planar_rr_c_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1418,8 +1576,10 @@ KRHPR_API int krhpr_planar_rr_c_forward_gauss_newton_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1527,7 +1687,7 @@ KRHPR_API int krhpr_planar_rr_c_inverse_near(
     double all[12];
     int status = krhpr_planar_rr_c_inverse_all(g, p, phi, redundant, all);
     krhpr_fill_nan(theta, 6);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 6) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 6))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -6,6 +6,9 @@
 #include "krhpr_planar_rrr_a.h"
 
 #include "krhpr_algebra_planar.h"
+#include "krhpr_algebra_planar_lanes.h"
+#include "krhpr_platform_planar_a_lanes.h"
+#include "krhpr_subleg_planar_rrr_lanes.h"
 #include "krhpr_roots.h"
 
 static const double mode_default[3] = {1.0, 1.0, 1.0};
@@ -16,21 +19,21 @@ KRHPR_API int krhpr_planar_rrr_a_prepare(krhpr_planar_rrr_a_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_planar_rrr_prepare(&g->subleg, i);
         krhpr_platform_planar_a_prepare(&g->platform, i);
@@ -81,22 +84,29 @@ KRHPR_API int krhpr_planar_rrr_a_end_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(4)] = {0.0};
-    double sine[KRHPR_PADDED(4)];
-    double cosine[KRHPR_PADDED(4)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-    }
-    krhpr_sincos_array(4, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point(
-            &g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
     }
     return status;
 }
@@ -124,7 +134,7 @@ KRHPR_API int krhpr_planar_rrr_a_redundant_coordinates(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -133,16 +143,20 @@ KRHPR_API int krhpr_planar_rrr_a_redundant_coordinates(
     double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_redundant(&g->platform, i, p, Q, s + 2 * i, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        redundant[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_platform_planar_a_redundant_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        redundant_legs[0] = tail_legs[0];
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -168,19 +182,20 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_forward(
     const krhpr_planar_rrr_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward_angles(theta + 3 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_planar_rrr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
     }
     return status;
 }
@@ -209,33 +224,34 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(s, 6) + krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_inverse_all_angles(swivel[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(18)] = {0.0};
-    double tail_x[KRHPR_PADDED(18)] = {0.0};
-    double tail[KRHPR_PADDED(18)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg, i, s + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 6 * i,
-            tail_x + 6 * i);
-    }
-    krhpr_atan2_array(18, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[6 * i + 0] = tail[6 * i + 0];
-        theta[6 * i + 1] = tail[6 * i + 1];
-        theta[6 * i + 2] = tail[6 * i + 2];
-        theta[6 * i + 3] = tail[6 * i + 3];
-        theta[6 * i + 4] = tail[6 * i + 4];
-        theta[6 * i + 5] = tail[6 * i + 5];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[6];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[6];
+        krhpr_lanes tail_x_legs[6];
+        krhpr_lanes tail_legs[6];
+        krhpr_subleg_planar_rrr_inverse_all_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[4];
+        theta_legs[5] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 6, theta_legs, 6, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -267,30 +283,31 @@ KRHPR_API int krhpr_planar_rrr_a_swivel(
     double *KRHPR_RESTRICT swivel)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(swivel, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_swivel(&g->subleg, i, u_3, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        swivel[i] = tail[1 * i + 0];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes swivel_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_swivel_lanes(&g->subleg, i, u_3_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        swivel_legs[0] = tail_legs[0];
+        krhpr_legs_store(swivel, 1, swivel_legs, 1, i);
     }
     return status;
 }
@@ -315,23 +332,26 @@ KRHPR_API int krhpr_planar_rrr_a_subleg_jacobian(
     const krhpr_planar_rrr_a_geometry *g, const double s[6], const double theta[9], double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(M, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        krhpr_subleg_planar_rrr_posture(&g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_jacobian(&g->subleg, i, d, u_2, u_3, M + 6 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes M_legs[6];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_jacobian_lanes(&g->subleg, i, d_legs, u_2_legs, u_3_legs, M_legs);
+        krhpr_legs_store(M, 6, M_legs, 6, i);
     }
     return status;
 }
@@ -358,7 +378,7 @@ KRHPR_API int krhpr_planar_rrr_a_constraints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(residual, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -368,8 +388,13 @@ KRHPR_API int krhpr_planar_rrr_a_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_residual(&g->platform, i, p, Q, s + 2 * i, residual + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes residual_legs[1];
+        krhpr_platform_planar_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 1, residual_legs, 1, i);
     }
     return status;
 }
@@ -397,7 +422,7 @@ KRHPR_API int krhpr_planar_rrr_a_jacobians(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 27);
         return KRHPR_INVALID_INPUT;
@@ -405,28 +430,34 @@ KRHPR_API int krhpr_planar_rrr_a_jacobians(
     for (int k = 0; k < 27; ++k) {
         K[k] = 0.0;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        double K_block[3];
-        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K_block);
-        for (int k = 0; k < 3; ++k) {
-            K[12 * i + 0 + k] = K_block[0 + k];
-        }
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes K_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_project_lanes(&g->subleg, i, d_legs, u_2_legs, u_3_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 3, J_legs, 3, i);
+        krhpr_legs_store(K, 12, K_legs, 3, i);
     }
     return status;
 }
@@ -454,29 +485,39 @@ KRHPR_API int krhpr_planar_rrr_a_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        krhpr_platform_planar_a_rows(&g->platform, i, p, Q, s + 2 * i, J + 3 * i, N);
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_project(&g->subleg, i, d, u_2, u_3, N, K + 3 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes K_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_project_lanes(&g->subleg, i, d_legs, u_2_legs, u_3_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 3, J_legs, 3, i);
+        krhpr_legs_store(K, 3, K_legs, 3, i);
     }
     return status;
 }
@@ -511,36 +552,46 @@ KRHPR_API int krhpr_planar_rrr_a_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
-          krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
+          krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-        krhpr_subleg_planar_rrr_inverse_angles(swivel[i], angle + 4 + 1 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(9)] = {0.0};
-    double tail_x[KRHPR_PADDED(9)] = {0.0};
-    double tail[KRHPR_PADDED(9)];
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rrr_inverse(
-            &g->subleg, i, s, mode + i, sine + 4 + 1 * i, cosine + 4 + 1 * i, &radicand[i], tail_y + 3 * i,
-            tail_x + 3 * i);
-    }
-    krhpr_atan2_array(9, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[3 * i + 0] = tail[3 * i + 0];
-        theta[3 * i + 1] = tail[3 * i + 1];
-        theta[3 * i + 2] = tail[3 * i + 2];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_subleg_planar_rrr_inverse_angles_lanes(swivel_legs[0], angle_legs + 1);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[3];
+        krhpr_lanes tail_x_legs[3];
+        krhpr_lanes tail_legs[3];
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_planar_rrr_inverse_lanes(
+            &g->subleg, i, s_legs, mode_legs, sine_legs + 1, cosine_legs + 1, radicand_legs, tail_y_legs,
+            tail_x_legs);
+        krhpr_lanes_atan2_each(3, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -579,38 +630,46 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_all(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-        krhpr_subleg_planar_rrr_inverse_all_angles(swivel[i], angle + 4 + 1 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(18)] = {0.0};
-    double tail_x[KRHPR_PADDED(18)] = {0.0};
-    double tail[KRHPR_PADDED(18)];
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rrr_inverse_all(
-            &g->subleg, i, s, sine + 4 + 1 * i, cosine + 4 + 1 * i, &radicand[i], tail_y + 6 * i,
-            tail_x + 6 * i);
-    }
-    krhpr_atan2_array(18, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[6 * i + 0] = tail[6 * i + 0];
-        theta[6 * i + 1] = tail[6 * i + 1];
-        theta[6 * i + 2] = tail[6 * i + 2];
-        theta[6 * i + 3] = tail[6 * i + 3];
-        theta[6 * i + 4] = tail[6 * i + 4];
-        theta[6 * i + 5] = tail[6 * i + 5];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[6];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_subleg_planar_rrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs + 1);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[6];
+        krhpr_lanes tail_x_legs[6];
+        krhpr_lanes tail_legs[6];
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_planar_rrr_inverse_all_lanes(
+            &g->subleg, i, s_legs, sine_legs + 1, cosine_legs + 1, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[4];
+        theta_legs[5] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 6, theta_legs, 6, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -650,25 +709,35 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_status(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
-          krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
+          krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_end_point_angles(redundant[i], angle + 1 + 1 * i);
-        krhpr_subleg_planar_rrr_reach_angles(swivel[i], angle + 4 + 1 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s[2];
-        krhpr_platform_planar_a_end_point(&g->platform, i, p, Q, sine + 1 + 1 * i, cosine + 1 + 1 * i, s);
-        krhpr_subleg_planar_rrr_reach(&g->subleg, i, s, sine + 4 + 1 * i, cosine + 4 + 1 * i, &excess[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_subleg_planar_rrr_reach_angles_lanes(swivel_legs[0], angle_legs + 1);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_planar_rrr_reach_lanes(
+            &g->subleg, i, s_legs, sine_legs + 1, cosine_legs + 1, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -706,32 +775,47 @@ KRHPR_API int krhpr_planar_rrr_a_twist(
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double scale[2];
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        double s_dot[2];
-        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_dot + 3 * i, s_dot);
-        krhpr_algebra_planar_rate(N, s_dot, rate + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes rate_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_velocity_lanes(
+            &g->subleg, i, d_legs, u_2_legs, u_3_legs, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_planar_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -768,31 +852,45 @@ KRHPR_API int krhpr_planar_rrr_a_joint_rates(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(swivel_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(swivel_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[2];
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        krhpr_platform_planar_a_end_velocity(
-            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_rates(
-            &g->subleg, i, d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes swivel_rates_legs[1]; krhpr_legs_load(swivel_rates_legs, swivel_rates, 1, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_rates_lanes(
+            &g->subleg, i, d_legs, u_2_legs, u_3_legs, s_dot_legs, swivel_rates_legs[0], theta_dot_legs,
+            regularity_legs);
+        krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -832,42 +930,60 @@ KRHPR_API int krhpr_planar_rrr_a_platform_acceleration(
     double point[6];
     double rate[3];
     double det_regularity[1];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_bias_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double N[2];
-        double scale[2];
-        double s_dot[2];
-        double bias[2];
-        double swivel_bias;
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        double along[2];
-        double s_ddot[2];
-        double row_bias[1];
-        krhpr_platform_planar_a_line(&g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
-        krhpr_subleg_planar_rrr_bias(
-            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot, bias,
-            &swivel_bias);
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_velocity(&g->subleg, i, d, u_2, u_3, theta_ddot + 3 * i, along);
-        krhpr_algebra_planar_sum(along, bias, s_ddot);
-        krhpr_platform_planar_a_row_bias(&g->platform, i, p, Q, s + 2 * i, twist, s_dot, row_bias);
-        krhpr_algebra_planar_rate_with_bias(N, s_ddot, row_bias, rate + i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes bias_legs[2];
+        krhpr_lanes swivel_bias_legs[1];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes s_ddot_legs[2];
+        krhpr_lanes row_bias_legs[1];
+        krhpr_lanes rate_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_rrr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_legs, bias_legs,
+            swivel_bias_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_velocity_lanes(
+            &g->subleg, i, d_legs, u_2_legs, u_3_legs, theta_ddot_legs, along_legs);
+        krhpr_algebra_planar_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_planar_a_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_planar_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -906,44 +1022,62 @@ KRHPR_API int krhpr_planar_rrr_a_joint_accelerations(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 3) +
-          krhpr_taint(redundant_accelerations, 3) + krhpr_taint(swivel_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3) + krhpr_taint(swivel_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_bias_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[2];
-        double s_ddot[2];
-        double s_dot_again[2];
-        double bias[2];
-        double swivel_bias;
-        double along[2];
-        double swivel_along;
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        krhpr_platform_planar_a_end_acceleration(
-            &g->platform, i, p, Q, s + 2 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_planar_rrr_bias(
-            &g->subleg, i, s + 2 * i, theta_dot + 3 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, s_dot_again,
-            bias, &swivel_bias);
-        krhpr_algebra_planar_difference(s_ddot, bias, along);
-        krhpr_subleg_planar_rrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_rates(
-            &g->subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes swivel_accelerations_legs[1]; krhpr_legs_load(swivel_accelerations_legs, swivel_accelerations, 1, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes s_ddot_legs[2];
+        krhpr_lanes s_dot_again_legs[2];
+        krhpr_lanes bias_legs[2];
+        krhpr_lanes swivel_bias_legs[1];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes swivel_along_legs[1];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes theta_ddot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_planar_rrr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_again_legs, bias_legs,
+            swivel_bias_legs);
+        krhpr_algebra_planar_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_planar_rrr_swivel_difference_lanes(
+            swivel_accelerations_legs[0], swivel_bias_legs[0], swivel_along_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_rates_lanes(
+            &g->subleg, i, d_legs, u_2_legs, u_3_legs, along_legs, swivel_along_legs[0], theta_ddot_legs,
+            regularity_legs);
+        krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -978,40 +1112,48 @@ KRHPR_API int krhpr_planar_rrr_a_passive_joints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(wrist, 3);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(6)] = {0.0};
-    double tail_x[KRHPR_PADDED(6)] = {0.0};
-    double tail[KRHPR_PADDED(6)];
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        double link[2];
-        double redundant_link[2];
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_passive(&g->subleg, i, u_3, link);
-        krhpr_platform_planar_a_joint(
-            &g->platform, i, p, Q, s + 2 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
-        krhpr_algebra_planar_wrist(link, redundant_link, tail_y + 3 + 1 * i, tail_x + 3 + 1 * i);
-    }
-    krhpr_atan2_array(6, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        platform_joint[i] = tail[1 * i + 0];
-        wrist[i] = tail[3 + 1 * i + 0];
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes link_legs[2];
+        krhpr_lanes redundant_link_legs[2];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes wrist_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[2];
+        krhpr_lanes tail_x_legs[2];
+        krhpr_lanes tail_legs[2];
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_passive_lanes(&g->subleg, i, u_3_legs, link_legs);
+        krhpr_platform_planar_a_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, tail_y_legs, tail_x_legs);
+        krhpr_algebra_planar_wrist_lanes(link_legs, redundant_link_legs, tail_y_legs + 1, tail_x_legs + 1);
+        krhpr_lanes_atan2_each(2, tail_y_legs, tail_x_legs, tail_legs);
+        platform_joint_legs[0] = tail_legs[0];
+        wrist_legs[0] = tail_legs[1];
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(wrist, 1, wrist_legs, 1, i);
     }
     return status;
 }
@@ -1039,28 +1181,38 @@ KRHPR_API int krhpr_planar_rrr_a_link_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(points, 24);
         krhpr_fill_nan(attachment, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_points(&g->subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
-        krhpr_platform_planar_a_attachment(&g->platform, i, p, Q, attachment + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes points_legs[8];
+        krhpr_lanes attachment_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_points_lanes(&g->subleg, i, u_2_legs, u_3_legs, s_legs, points_legs);
+        krhpr_platform_planar_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 8, points_legs, 8, i);
+        krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
     }
     return status;
 }
@@ -1092,32 +1244,49 @@ KRHPR_API int krhpr_planar_rrr_a_singularity(
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 3);
         krhpr_fill_nan(type_2, 1);
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(7)] = {0.0};
-    double sine[KRHPR_PADDED(7)];
-    double cosine[KRHPR_PADDED(7)];
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
     krhpr_algebra_planar_rotation_angles(phi, angle);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_posture_angles(theta + 3 * i, angle + 1 + 2 * i);
-    }
-    krhpr_sincos_array(7, angle, sine, cosine);
+    krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_2[2];
-        double u_3[2];
-        double N[2];
-        krhpr_subleg_planar_rrr_posture(
-            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
-        krhpr_subleg_planar_rrr_determinant(&g->subleg, i, d, u_2, u_3, &type_1[i], factors + i);
-        krhpr_platform_planar_a_line(
-            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[1];
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
+        krhpr_subleg_planar_rrr_determinant_lanes(
+            &g->subleg, i, d_legs, u_2_legs, u_3_legs, type_1_legs, factors_legs);
+        krhpr_platform_planar_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 1, factors_legs, 1, i);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1149,21 +1318,26 @@ KRHPR_API int krhpr_planar_rrr_a_type_2_of_redundant(
     double line[9];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 1);
         krhpr_fill_nan(margins, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_line_of_redundant_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_line_of_redundant(
-            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_a_line_of_redundant_lanes(
+            &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1196,7 +1370,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_all(
     double points[6];
     double sextic[7];
     double found[1];
-    if (!(krhpr_taint(s, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(p, 12);
         krhpr_fill_nan(phi, 6);
         krhpr_fill_nan(redundant, 18);
@@ -1205,8 +1379,12 @@ KRHPR_API int krhpr_planar_rrr_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1313,7 +1491,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(box, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(box, 6))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1321,16 +1499,21 @@ KRHPR_API int krhpr_planar_rrr_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward_angles(theta + 3 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_planar_rrr_forward(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_planar_rrr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_rrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(s, 2, s_legs, 2, i);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1437,7 +1620,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(p_near, 2) + krhpr_taint(&phi_near, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(p_near, 2) + krhpr_taint(&phi_near, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1453,8 +1636,12 @@ KRHPR_API int krhpr_planar_rrr_a_forward_newton(
     double tail_x[KRHPR_PADDED(4)] = {0.0};
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1526,7 +1713,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1(
     double arm[6];
     double radicand[1];
     double agreement[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 4);
         krhpr_fill_nan(phi, 2);
         krhpr_fill_nan(mismatch, 2);
@@ -1541,9 +1728,15 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_1(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1597,7 +1790,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1613,9 +1806,15 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1674,7 +1873,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1690,9 +1889,15 @@ KRHPR_API int krhpr_planar_rrr_a_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1753,7 +1958,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1769,9 +1974,15 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1851,7 +2062,7 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(raw, 4);
@@ -1867,9 +2078,15 @@ KRHPR_API int krhpr_planar_rrr_a_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1980,7 +2197,7 @@ KRHPR_API int krhpr_planar_rrr_a_inverse_near(
     }
     int status = krhpr_planar_rrr_a_inverse_all(g, p, phi, redundant, swivel, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 9))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

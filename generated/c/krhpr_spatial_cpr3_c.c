@@ -6,6 +6,9 @@
 #include "krhpr_spatial_cpr3_c.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_c_lanes.h"
+#include "krhpr_subleg_cpr3_lanes.h"
 #include "krhpr_roots.h"
 
 
@@ -13,45 +16,45 @@ KRHPR_API int krhpr_spatial_cpr3_c_prepare(krhpr_spatial_cpr3_c_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.tilt_1[KRHPR_PLACES - 1] = g->subleg.tilt_1[2];
-    valid &= krhpr_taint(g->subleg.tilt_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.tilt_1, KRHPR_PLACES));
     g->subleg.turn_1[KRHPR_PLACES - 1] = g->subleg.turn_1[2];
-    valid &= krhpr_taint(g->subleg.turn_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.turn_1, KRHPR_PLACES));
     g->subleg.x_1[KRHPR_PLACES - 1] = g->subleg.x_1[2];
-    valid &= krhpr_taint(g->subleg.x_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.x_1, KRHPR_PLACES));
     g->subleg.y_1[KRHPR_PLACES - 1] = g->subleg.y_1[2];
-    valid &= krhpr_taint(g->subleg.y_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.y_1, KRHPR_PLACES));
     g->subleg.z_1[KRHPR_PLACES - 1] = g->subleg.z_1[2];
-    valid &= krhpr_taint(g->subleg.z_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.z_1, KRHPR_PLACES));
     g->subleg.tilt_2[KRHPR_PLACES - 1] = g->subleg.tilt_2[2];
-    valid &= krhpr_taint(g->subleg.tilt_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.tilt_2, KRHPR_PLACES));
     g->subleg.turn_2[KRHPR_PLACES - 1] = g->subleg.turn_2[2];
-    valid &= krhpr_taint(g->subleg.turn_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.turn_2, KRHPR_PLACES));
     g->subleg.x_2[KRHPR_PLACES - 1] = g->subleg.x_2[2];
-    valid &= krhpr_taint(g->subleg.x_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.x_2, KRHPR_PLACES));
     g->subleg.y_2[KRHPR_PLACES - 1] = g->subleg.y_2[2];
-    valid &= krhpr_taint(g->subleg.y_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.y_2, KRHPR_PLACES));
     g->subleg.z_2[KRHPR_PLACES - 1] = g->subleg.z_2[2];
-    valid &= krhpr_taint(g->subleg.z_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.z_2, KRHPR_PLACES));
     g->subleg.tilt_3[KRHPR_PLACES - 1] = g->subleg.tilt_3[2];
-    valid &= krhpr_taint(g->subleg.tilt_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.tilt_3, KRHPR_PLACES));
     g->subleg.turn_3[KRHPR_PLACES - 1] = g->subleg.turn_3[2];
-    valid &= krhpr_taint(g->subleg.turn_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.turn_3, KRHPR_PLACES));
     g->subleg.x_3[KRHPR_PLACES - 1] = g->subleg.x_3[2];
-    valid &= krhpr_taint(g->subleg.x_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.x_3, KRHPR_PLACES));
     g->subleg.y_3[KRHPR_PLACES - 1] = g->subleg.y_3[2];
-    valid &= krhpr_taint(g->subleg.y_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.y_3, KRHPR_PLACES));
     g->subleg.z_3[KRHPR_PLACES - 1] = g->subleg.z_3[2];
-    valid &= krhpr_taint(g->subleg.z_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.z_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_cpr3_prepare(&g->subleg, i);
         krhpr_platform_spatial_c_prepare(&g->platform, i);
@@ -108,7 +111,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -137,12 +140,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_end_points(
     double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -170,12 +178,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -204,7 +217,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_subleg_forward(
 {
     int status = KRHPR_OK;
     double change[3];
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -257,7 +270,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double found[3];
-    if (!(krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
         krhpr_fill_nan(s, 72);
         krhpr_fill_nan(volume, 24);
         krhpr_fill_nan(count, 3);
@@ -339,12 +352,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_cpr3_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_cpr3_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -377,16 +395,22 @@ KRHPR_API int krhpr_spatial_cpr3_c_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double w[9];
-        double b[3];
-        double travel[3];
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_jacobian(&g->subleg, i, w, b, M + 9 * i, &regularity[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes M_legs[9];
+        krhpr_lanes regularity_legs[1];
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_jacobian_lanes(&g->subleg, i, w_legs, b_legs, M_legs, regularity_legs);
+        krhpr_legs_store(M, 9, M_legs, 9, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -419,12 +443,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -453,7 +482,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_jacobians(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -461,19 +490,25 @@ KRHPR_API int krhpr_spatial_cpr3_c_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double w[9];
-        double b[3];
-        double travel[3];
-        double K_block[6];
-        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project(&g->subleg, i, w, b, N, K_block, &regularity[i]);
-        for (int k = 0; k < 3; ++k) {
-            K[21 * i + 0 + k] = K_block[0 + k];
-            K[21 * i + 9 + k] = K_block[3 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes K_legs[6];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_project_lanes(&g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 21, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -509,19 +544,29 @@ KRHPR_API int krhpr_spatial_cpr3_c_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double w[9];
-        double b[3];
-        double travel[3];
-        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_project(&g->subleg, i, w, b, N, K + 6 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes K_legs[6];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_project_lanes(&g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 6, K_legs, 6, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -556,14 +601,21 @@ KRHPR_API int krhpr_spatial_cpr3_c_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_cpr3_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_cpr3_inverse_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -598,14 +650,21 @@ KRHPR_API int krhpr_spatial_cpr3_c_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_cpr3_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_cpr3_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -639,14 +698,19 @@ KRHPR_API int krhpr_spatial_cpr3_c_inverse_status(
     double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_cpr3_reach(&g->subleg, i, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_cpr3_reach_lanes(&g->subleg, i, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -684,23 +748,37 @@ KRHPR_API int krhpr_spatial_cpr3_c_twist(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double w[9];
-        double b[3];
-        double travel[3];
-        double s_dot[3];
-        krhpr_platform_spatial_c_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity(&g->subleg, i, w, b, theta_dot + 3 * i, s_dot, &regularity[i]);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes rate_legs[2];
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_velocity_lanes(
+            &g->subleg, i, w_legs, b_legs, theta_dot_legs, s_dot_legs, regularity_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
     for (int i = 0; i < 3; ++i) {
@@ -745,20 +823,31 @@ KRHPR_API int krhpr_spatial_cpr3_c_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double w[9];
-        double b[3];
-        double travel[3];
-        krhpr_platform_spatial_c_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates(&g->subleg, i, w, b, s_dot, theta_dot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_spatial_c_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_rates_lanes(
+            &g->subleg, i, w_legs, b_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -798,31 +887,49 @@ KRHPR_API int krhpr_spatial_cpr3_c_platform_acceleration(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double w[9];
-        double b[3];
-        double travel[3];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_c_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_cpr3_bias(
-            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias, &regularity[i]);
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_velocity(&g->subleg, i, w, b, theta_ddot + 3 * i, along, &regularity[i]);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_cpr3_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_legs, bias_legs, regularity_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_velocity_lanes(
+            &g->subleg, i, w_legs, b_legs, theta_ddot_legs, along_legs, regularity_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_c_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
     for (int i = 0; i < 3; ++i) {
@@ -869,30 +976,46 @@ KRHPR_API int krhpr_spatial_cpr3_c_joint_accelerations(
     int status = KRHPR_OK;
     double parallel_regularity[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double along[3];
-        double w[9];
-        double b[3];
-        double travel[3];
-        krhpr_platform_spatial_c_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_cpr3_bias(
-            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias,
-            &parallel_regularity[i]);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_rates(&g->subleg, i, w, b, along, theta_ddot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes parallel_regularity_legs[1];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes theta_ddot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_spatial_c_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_cpr3_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_again_legs, bias_legs,
+            parallel_regularity_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_rates_lanes(
+            &g->subleg, i, w_legs, b_legs, along_legs, theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
+        krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -932,22 +1055,33 @@ KRHPR_API int krhpr_spatial_cpr3_c_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double w[9];
-        double b[3];
-        double travel[3];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_passive(&g->subleg, i, w, travel, passive + 6 * i, link);
-        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes passive_legs[6];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_passive_lanes(&g->subleg, i, w_legs, travel_legs, passive_legs, link_legs);
+        krhpr_platform_spatial_c_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, platform_joint_legs);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_legs_store(passive, 6, passive_legs, 6, i);
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     return status;
 }
@@ -976,18 +1110,24 @@ KRHPR_API int krhpr_spatial_cpr3_c_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(points, 36);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double w[9];
-        double b[3];
-        double travel[3];
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_points(&g->subleg, i, w, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes points_legs[12];
+        krhpr_lanes attachment_legs[3];
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_points_lanes(&g->subleg, i, w_legs, s_legs, points_legs);
+        krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
+        krhpr_legs_store(points, 12, points_legs, 12, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
 }
@@ -1019,22 +1159,36 @@ KRHPR_API int krhpr_spatial_cpr3_c_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double w[9];
-        double b[3];
-        double travel[3];
-        double N[6];
-        krhpr_subleg_cpr3_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
-        krhpr_subleg_cpr3_determinant(&g->subleg, i, w, b, &type_1[i], factors + 4 * i);
-        krhpr_platform_spatial_c_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[4];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_determinant_lanes(&g->subleg, i, w_legs, b_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 4, factors_legs, 4, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1067,14 +1221,21 @@ KRHPR_API int krhpr_spatial_cpr3_c_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_platform_spatial_c_line_of_redundant_lanes(
+            &g->platform, i, redundant_legs[0], line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1108,7 +1269,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_all(
     double flatness[1];
     double breadth[1];
     double radicand[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(redundant, 6);
@@ -1116,8 +1277,10 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1176,7 +1339,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) + krhpr_taint(&side, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1265,15 +1428,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1333,15 +1498,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1403,15 +1570,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1491,15 +1660,17 @@ KRHPR_API int krhpr_spatial_cpr3_c_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1610,7 +1781,7 @@ KRHPR_API int krhpr_spatial_cpr3_c_inverse_near(
     double all[9];
     int status = krhpr_spatial_cpr3_c_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 9))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

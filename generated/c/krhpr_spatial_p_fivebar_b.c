@@ -6,6 +6,9 @@
 #include "krhpr_spatial_p_fivebar_b.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_b_lanes.h"
+#include "krhpr_subleg_p_fivebar_lanes.h"
 
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
 static const double assembly_default[3] = {1.0, 1.0, 1.0};
@@ -14,29 +17,29 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_prepare(krhpr_spatial_p_fivebar_b_geomet
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->subleg.l_4[KRHPR_PLACES - 1] = g->subleg.l_4[2];
-    valid &= krhpr_taint(g->subleg.l_4, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_4, KRHPR_PLACES));
     g->subleg.l_5[KRHPR_PLACES - 1] = g->subleg.l_5[2];
-    valid &= krhpr_taint(g->subleg.l_5, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_5, KRHPR_PLACES));
     g->subleg.l_6[KRHPR_PLACES - 1] = g->subleg.l_6[2];
-    valid &= krhpr_taint(g->subleg.l_6, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_6, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_p_fivebar_prepare(&g->subleg, i);
         krhpr_platform_spatial_b_prepare(&g->platform, i);
@@ -93,7 +96,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -122,12 +125,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_end_points(
     const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -155,12 +163,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_spatial_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -192,21 +205,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_forward_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_forward(
-            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
-            &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_forward_lanes(
+            &g->subleg, i, theta_legs, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -239,20 +255,23 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
         krhpr_fill_nan(s, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_forward_all_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_forward_all(
-            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[6];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_forward_all_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_forward_all_lanes(
+            &g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        krhpr_legs_store(s, 6, s_legs, 6, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -284,12 +303,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s + 3 * i, theta + 12 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[12];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_p_fivebar_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 12, theta_legs, 12, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -322,23 +346,29 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_jacobian(&g->subleg, i, d, u_1, u_2, M + 9 * i, &regularity[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes M_legs[9];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_jacobian_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, M_legs, regularity_legs);
+        krhpr_legs_store(M, 9, M_legs, 9, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -371,12 +401,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -405,7 +440,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_jacobians(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -413,26 +448,32 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        double K_block[6];
-        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K_block, &regularity[i]);
-        for (int k = 0; k < 3; ++k) {
-            K[21 * i + 0 + k] = K_block[0 + k];
-            K[21 * i + 9 + k] = K_block[3 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes K_legs[6];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_project_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 21, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -468,26 +509,36 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_project(&g->subleg, i, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes K_legs[6];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_project_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 6, K_legs, 6, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -525,14 +576,22 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_inverse(&g->subleg, i, s, mode + 2 * i, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_p_fivebar_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -567,14 +626,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_inverse_all(&g->subleg, i, s, theta + 12 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[12];
+        krhpr_lanes radicand_legs[1];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_p_fivebar_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 12, theta_legs, 12, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -611,14 +677,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_p_fivebar_reach(&g->subleg, i, s, mode + 2 * i, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_p_fivebar_reach_lanes(&g->subleg, i, s_legs, mode_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -656,30 +728,43 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_twist(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        double s_dot[3];
-        krhpr_platform_spatial_b_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity(&g->subleg, i, d, u_1, u_2, theta_dot + 3 * i, s_dot, &regularity[i]);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_b_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_velocity_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, theta_dot_legs, s_dot_legs, regularity_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist, det_regularity);
     for (int i = 0; i < 3; ++i) {
@@ -724,27 +809,37 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        krhpr_platform_spatial_b_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_b_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_rates_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -784,40 +879,56 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_platform_acceleration(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_bias_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_b_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_p_fivebar_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot, bias,
-            &regularity[i]);
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_velocity(
-            &g->subleg, i, d, u_1, u_2, theta_ddot + 3 * i, along, &regularity[i]);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_b_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_b_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_p_fivebar_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_legs, bias_legs,
+            regularity_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_velocity_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, theta_ddot_legs, along_legs, regularity_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_b_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist_rate, det_regularity);
     for (int i = 0; i < 3; ++i) {
@@ -864,37 +975,52 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_joint_accelerations(
     int status = KRHPR_OK;
     double parallel_regularity[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_bias_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double along[3];
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        krhpr_platform_spatial_b_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_p_fivebar_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 2 * i, cosine + 2 * i, s_dot_again, bias,
-            &parallel_regularity[i]);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_rates(&g->subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes parallel_regularity_legs[1];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes theta_ddot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_b_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_p_fivebar_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_again_legs, bias_legs,
+            parallel_regularity_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_rates_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, along_legs, theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
+        krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(parallel_regularity[i] >= 1e-12)) {
@@ -934,38 +1060,47 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(passive, 9);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(9)] = {0.0};
-    double tail_x[KRHPR_PADDED(9)] = {0.0};
-    double tail[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_passive(&g->subleg, i, d, u_1, u_2, link, tail_y + 3 * i, tail_x + 3 * i);
-        krhpr_platform_spatial_b_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
-    }
-    krhpr_atan2_array(9, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        passive[3 * i + 0] = tail[3 * i + 0];
-        passive[3 * i + 1] = tail[3 * i + 1];
-        passive[3 * i + 2] = tail[3 * i + 2];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes passive_legs[3];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[3];
+        krhpr_lanes tail_x_legs[3];
+        krhpr_lanes tail_legs[3];
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_passive_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, link_legs, tail_y_legs, tail_x_legs);
+        krhpr_platform_spatial_b_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, platform_joint_legs);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_lanes_atan2_each(3, tail_y_legs, tail_x_legs, tail_legs);
+        passive_legs[0] = tail_legs[0];
+        passive_legs[1] = tail_legs[1];
+        passive_legs[2] = tail_legs[2];
+        krhpr_legs_store(passive, 3, passive_legs, 3, i);
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     return status;
 }
@@ -994,25 +1129,31 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(points, 63);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_points(&g->subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
-        krhpr_platform_spatial_b_attachment(&g->platform, i, Q, s + 3 * i, attachment + 3 * i);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes points_legs[21];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_points_lanes(&g->subleg, i, d_legs, u_1_legs, u_2_legs, s_legs, points_legs);
+        krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
+        krhpr_legs_store(points, 21, points_legs, 21, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
 }
@@ -1044,29 +1185,43 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_posture_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double u_1[2];
-        double u_2[2];
-        double N[6];
-        krhpr_subleg_p_fivebar_posture(&g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
-        krhpr_subleg_p_fivebar_determinant(&g->subleg, i, d, u_1, u_2, &type_1[i], factors + 3 * i);
-        krhpr_platform_spatial_b_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[3];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_determinant_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_b_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 3, factors_legs, 3, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1099,14 +1254,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_line_of_redundant(
-            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_platform_spatial_b_line_of_redundant_lanes(
+            &g->platform, i, redundant_legs[0], line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1142,7 +1304,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_all(
     double flatness[1];
     double breadth[1];
     double radicand[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(redundant, 6);
@@ -1150,8 +1312,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1215,7 +1383,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3) + krhpr_taint(&side, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1223,18 +1391,27 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_forward_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_p_fivebar_forward(
-            &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
-            &radicand[i]);
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_forward_lanes(
+            &g->subleg, i, theta_legs, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1302,15 +1479,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1373,15 +1556,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1446,15 +1635,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1538,15 +1733,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1659,7 +1860,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_inverse_near(
     double all[36];
     int status = krhpr_spatial_p_fivebar_b_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 9))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

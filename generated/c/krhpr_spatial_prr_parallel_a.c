@@ -6,6 +6,9 @@
 #include "krhpr_spatial_prr_parallel_a.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_a_lanes.h"
+#include "krhpr_subleg_prr_parallel_lanes.h"
 #include "krhpr_roots.h"
 
 static const double mode_default[3] = {-1.0, -1.0, -1.0};
@@ -15,25 +18,25 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_prepare(krhpr_spatial_prr_parallel_a_
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.slide_azimuth[KRHPR_PLACES - 1] = g->subleg.slide_azimuth[2];
-    valid &= krhpr_taint(g->subleg.slide_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.slide_azimuth, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_prr_parallel_prepare(&g->subleg, i);
         krhpr_platform_spatial_a_prepare(&g->platform, i);
@@ -85,7 +88,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -114,19 +117,23 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_end_points(
     const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -154,19 +161,23 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        redundant[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_platform_spatial_a_redundant_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        redundant_legs[0] = tail_legs[0];
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -193,20 +204,20 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_subleg_forward(
     const krhpr_spatial_prr_parallel_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_forward_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_forward(
-            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_prr_parallel_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_prr_parallel_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -232,12 +243,17 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_inverse_all(&g->subleg, i, s + 3 * i, theta + 6 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[6];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_prr_parallel_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 6, theta_legs, 6, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -269,22 +285,25 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_subleg_jacobian(
     double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_jacobian(&g->subleg, i, d, v_1, M + 9 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes M_legs[9];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_jacobian_lanes(&g->subleg, i, d_legs, v_1_legs, M_legs);
+        krhpr_legs_store(M, 9, M_legs, 9, i);
     }
     return status;
 }
@@ -311,12 +330,17 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -344,7 +368,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_jacobians(
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -352,25 +376,28 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double d[2];
-        double v_1[2];
-        double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_project(&g->subleg, i, d, v_1, N, K_block);
-        for (int k = 0; k < 3; ++k) {
-            K[21 * i + 0 + k] = K_block[0 + k];
-            K[21 * i + 9 + k] = K_block[3 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[6];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 21, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
     }
     return status;
 }
@@ -398,25 +425,32 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_jacobian_blocks(
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double d[2];
-        double v_1[2];
-        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_project(&g->subleg, i, d, v_1, N, K + 6 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[6];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 6, K_legs, 6, i);
     }
     return status;
 }
@@ -448,21 +482,28 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_prr_parallel_inverse(&g->subleg, i, s, mode + i, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_prr_parallel_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -497,21 +538,27 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_prr_parallel_inverse_all(&g->subleg, i, s, theta + 6 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[6];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_prr_parallel_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 6, theta_legs, 6, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -548,21 +595,25 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_prr_parallel_reach(&g->subleg, i, s, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_prr_parallel_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -599,29 +650,39 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_twist(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double d[2];
-        double v_1[2];
-        double s_dot[3];
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_velocity(&g->subleg, i, d, v_1, theta_dot + 3 * i, s_dot);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_velocity_lanes(&g->subleg, i, d_legs, v_1_legs, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -661,26 +722,36 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double d[2];
-        double v_1[2];
-        krhpr_platform_spatial_a_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_rates(&g->subleg, i, d, v_1, s_dot, theta_dot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_rates_lanes(
+            &g->subleg, i, d_legs, v_1_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -719,37 +790,51 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_platform_acceleration(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_bias_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double d[2];
-        double v_1[2];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_prr_parallel_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot, bias);
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_velocity(&g->subleg, i, d, v_1, theta_ddot + 3 * i, along);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_prr_parallel_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_legs, bias_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_velocity_lanes(
+            &g->subleg, i, d_legs, v_1_legs, theta_ddot_legs, along_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_a_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -790,35 +875,48 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_joint_accelerations(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_bias_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double along[3];
-        double d[2];
-        double v_1[2];
-        krhpr_platform_spatial_a_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_prr_parallel_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 3 * i, sine + 1 * i, cosine + 1 * i, s_dot_again, bias);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_rates(&g->subleg, i, d, v_1, along, theta_ddot + 3 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes theta_ddot_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_prr_parallel_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_again_legs, bias_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_rates_lanes(
+            &g->subleg, i, d_legs, v_1_legs, along_legs, theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -853,35 +951,40 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_passive_joints(
     const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_passive(&g->subleg, i, v_1, link);
-        krhpr_platform_spatial_a_joint(
-            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        platform_joint[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_passive_lanes(&g->subleg, i, v_1_legs, link_legs);
+        krhpr_platform_spatial_a_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, tail_y_legs, tail_x_legs);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        platform_joint_legs[0] = tail_legs[0];
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     return status;
 }
@@ -909,24 +1012,31 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(points, 45);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_points(&g->subleg, i, d, v_1, s + 3 * i, points + 15 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[15];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_points_lanes(&g->subleg, i, d_legs, v_1_legs, s_legs, points_legs);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 15, points_legs, 15, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
 }
@@ -958,28 +1068,42 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 3);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_posture_angles(theta + 3 * i, angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double d[2];
-        double v_1[2];
-        double N[6];
-        krhpr_subleg_prr_parallel_posture(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
-        krhpr_subleg_prr_parallel_determinant(&g->subleg, i, d, v_1, &type_1[i], factors + i);
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[1];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_determinant_lanes(
+            &g->subleg, i, d_legs, v_1_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 1, factors_legs, 1, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1012,21 +1136,26 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_line_of_redundant_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_of_redundant_lanes(
+            &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1063,7 +1192,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_all(
     double axes[9];
     double sextic[7];
     double found[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 18);
         krhpr_fill_nan(Q, 54);
         krhpr_fill_nan(redundant, 18);
@@ -1072,8 +1201,12 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1189,7 +1322,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1197,17 +1330,21 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_forward_angles(theta + 3 * i, angle + 2 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_prr_parallel_forward(
-            &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 3 * i);
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_prr_parallel_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_prr_parallel_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1321,7 +1458,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1331,8 +1468,12 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_newton(
     double tail_y[KRHPR_PADDED(3)] = {0.0};
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1408,7 +1549,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_1(
     double flatness[1];
     double radicand[1];
     double agreement[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(mismatch, 2);
@@ -1420,9 +1561,15 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_1(
     krhpr_platform_spatial_a_turns_1_angles(measured, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1479,7 +1626,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1492,9 +1639,15 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1558,7 +1711,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1571,9 +1724,15 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_encoders_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1639,7 +1798,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1652,9 +1811,15 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1739,7 +1904,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1752,9 +1917,15 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1866,7 +2037,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_inverse_near(
     double all[18];
     int status = krhpr_spatial_prr_parallel_a_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 9))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -6,6 +6,9 @@
 #include "krhpr_spatial_rrrr_a.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_a_lanes.h"
+#include "krhpr_subleg_rrrr_lanes.h"
 #include "krhpr_roots.h"
 
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
@@ -16,23 +19,23 @@ KRHPR_API int krhpr_spatial_rrrr_a_prepare(krhpr_spatial_rrrr_a_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_rrrr_prepare(&g->subleg, i);
         krhpr_platform_spatial_a_prepare(&g->platform, i);
@@ -82,7 +85,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -111,19 +114,23 @@ KRHPR_API int krhpr_spatial_rrrr_a_end_points(
     double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -151,19 +158,23 @@ KRHPR_API int krhpr_spatial_rrrr_a_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        redundant[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_platform_spatial_a_redundant_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        redundant_legs[0] = tail_legs[0];
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -190,19 +201,20 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_forward(
     const krhpr_spatial_rrrr_a_geometry *g, const double theta[12], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 12))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(12)] = {0.0};
-    double sine[KRHPR_PADDED(12)];
-    double cosine[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward_angles(theta + 4 * i, angle + 4 * i);
-    }
-    krhpr_sincos_array(12, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes angle_legs[4];
+        krhpr_lanes sine_legs[4];
+        krhpr_lanes cosine_legs[4];
+        krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -232,43 +244,44 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(s, 9) + krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_inverse_all_angles(swivel[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(30)] = {0.0};
-    double tail_x[KRHPR_PADDED(30)] = {0.0};
-    double tail[KRHPR_PADDED(30)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_inverse_all(
-            &g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i,
-            tail_x + 10 * i);
-    }
-    krhpr_atan2_array(30, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[10];
+        krhpr_lanes tail_x_legs[10];
+        krhpr_lanes tail_legs[10];
+        krhpr_subleg_rrrr_inverse_all_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[0];
+        theta_legs[5] = tail_legs[1];
+        theta_legs[6] = tail_legs[4];
+        theta_legs[7] = tail_legs[5];
+        theta_legs[8] = tail_legs[6];
+        theta_legs[9] = tail_legs[7];
+        theta_legs[10] = tail_legs[8];
+        theta_legs[11] = tail_legs[3];
+        theta_legs[12] = tail_legs[6];
+        theta_legs[13] = tail_legs[7];
+        theta_legs[14] = tail_legs[9];
+        theta_legs[15] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -301,32 +314,33 @@ KRHPR_API int krhpr_spatial_rrrr_a_swivel(
     double *KRHPR_RESTRICT swivel)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(swivel, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_swivel(&g->subleg, i, d, v, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        swivel[i] = tail[1 * i + 0];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes swivel_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_swivel_lanes(&g->subleg, i, d_legs, v_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        swivel_legs[0] = tail_legs[0];
+        krhpr_legs_store(swivel, 1, swivel_legs, 1, i);
     }
     return status;
 }
@@ -353,25 +367,28 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_jacobian(
     double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(M, 36);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_jacobian(&g->subleg, i, x, e_2, d, v, e_4, M + 12 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes M_legs[12];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_jacobian_lanes(&g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, M_legs);
+        krhpr_legs_store(M, 12, M_legs, 12, i);
     }
     return status;
 }
@@ -398,12 +415,17 @@ KRHPR_API int krhpr_spatial_rrrr_a_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -431,7 +453,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians(
     const double theta[12], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 72);
         return KRHPR_INVALID_INPUT;
@@ -439,28 +461,32 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians(
     for (int k = 0; k < 72; ++k) {
         K[k] = 0.0;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double K_block[8];
-        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K_block);
-        for (int k = 0; k < 4; ++k) {
-            K[28 * i + 0 + k] = K_block[0 + k];
-            K[28 * i + 12 + k] = K_block[4 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes K_legs[8];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_project_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 28, K_legs, 4, i);
+        krhpr_legs_store(K + 12, 28, K_legs + 4, 4, i);
     }
     return status;
 }
@@ -488,28 +514,36 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobian_blocks(
     const double theta[12], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 24);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes K_legs[8];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_project_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 8, K_legs, 8, i);
     }
     return status;
 }
@@ -544,35 +578,41 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
+          krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-        krhpr_subleg_rrrr_inverse_angles(swivel[i], angle + 3 + 1 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(12)] = {0.0};
-    double tail_x[KRHPR_PADDED(12)] = {0.0};
-    double tail[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_rrrr_inverse(
-            &g->subleg, i, s, mode + 2 * i, sine + 3 + 1 * i, cosine + 3 + 1 * i, &radicand[i],
-            tail_y + 4 * i, tail_x + 4 * i);
-    }
-    krhpr_atan2_array(12, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_subleg_rrrr_inverse_angles_lanes(swivel_legs[0], angle_legs + 1);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[4];
+        krhpr_lanes tail_x_legs[4];
+        krhpr_lanes tail_legs[4];
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_rrrr_inverse_lanes(
+            &g->subleg, i, s_legs, mode_legs, sine_legs + 1, cosine_legs + 1, radicand_legs, tail_y_legs,
+            tail_x_legs);
+        krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -611,46 +651,50 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(6)] = {0.0};
-    double sine[KRHPR_PADDED(6)];
-    double cosine[KRHPR_PADDED(6)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-        krhpr_subleg_rrrr_inverse_all_angles(swivel[i], angle + 3 + 1 * i);
-    }
-    krhpr_sincos_array(6, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(30)] = {0.0};
-    double tail_x[KRHPR_PADDED(30)] = {0.0};
-    double tail[KRHPR_PADDED(30)];
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_rrrr_inverse_all(
-            &g->subleg, i, s, sine + 3 + 1 * i, cosine + 3 + 1 * i, &radicand[i], tail_y + 10 * i,
-            tail_x + 10 * i);
-    }
-    krhpr_atan2_array(30, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs + 1);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[10];
+        krhpr_lanes tail_x_legs[10];
+        krhpr_lanes tail_legs[10];
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_rrrr_inverse_all_lanes(
+            &g->subleg, i, s_legs, sine_legs + 1, cosine_legs + 1, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[0];
+        theta_legs[5] = tail_legs[1];
+        theta_legs[6] = tail_legs[4];
+        theta_legs[7] = tail_legs[5];
+        theta_legs[8] = tail_legs[6];
+        theta_legs[9] = tail_legs[7];
+        theta_legs[10] = tail_legs[8];
+        theta_legs[11] = tail_legs[3];
+        theta_legs[12] = tail_legs[6];
+        theta_legs[13] = tail_legs[7];
+        theta_legs[14] = tail_legs[9];
+        theta_legs[15] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -690,22 +734,26 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_status(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
+          krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_rrrr_reach(&g->subleg, i, s, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_rrrr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -743,32 +791,43 @@ KRHPR_API int krhpr_spatial_rrrr_a_twist(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
-          krhpr_taint(theta_dot, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+          krhpr_taint(theta_dot, 12))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double s_dot[3];
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_velocity_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -808,30 +867,41 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(swivel_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(swivel_rates, 3))) {
         krhpr_fill_nan(theta_dot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_platform_spatial_a_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_rates(
-            &g->subleg, i, x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes swivel_rates_legs[1]; krhpr_legs_load(swivel_rates_legs, swivel_rates, 1, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes theta_dot_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_rates_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, s_dot_legs, swivel_rates_legs[0],
+            theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 4, theta_dot_legs, 4, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -871,42 +941,56 @@ KRHPR_API int krhpr_spatial_rrrr_a_platform_acceleration(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 12) + krhpr_taint(theta_ddot, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 12) + krhpr_taint(theta_ddot, 12))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_bias_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double swivel_bias;
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
-            &swivel_bias);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
+        krhpr_lanes theta_ddot_legs[4]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 4, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes swivel_bias_legs[1];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_rrrr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_legs, bias_legs,
+            swivel_bias_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_velocity_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, theta_ddot_legs, along_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_a_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -948,43 +1032,58 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_accelerations(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 12) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) + krhpr_taint(swivel_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3) + krhpr_taint(swivel_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_bias_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double swivel_bias;
-        double along[3];
-        double swivel_along;
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_platform_spatial_a_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_rrrr_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
-            &swivel_bias);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_rrrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_rates(
-            &g->subleg, i, x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
+        krhpr_lanes swivel_accelerations_legs[1]; krhpr_legs_load(swivel_accelerations_legs, swivel_accelerations, 1, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes swivel_bias_legs[1];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes swivel_along_legs[1];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes theta_ddot_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_rrrr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_again_legs, bias_legs,
+            swivel_bias_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_rrrr_swivel_difference_lanes(
+            swivel_accelerations_legs[0], swivel_bias_legs[0], swivel_along_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_rates_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, along_legs, swivel_along_legs[0],
+            theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(theta_ddot, 4, theta_ddot_legs, 4, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -1019,38 +1118,43 @@ KRHPR_API int krhpr_spatial_rrrr_a_passive_joints(
     const double theta[12], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_passive(&g->subleg, i, x, e_2, v, e_4, link);
-        krhpr_platform_spatial_a_joint(
-            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 1 * i, tail_x + 1 * i);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        platform_joint[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_passive_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, e_4_legs, link_legs);
+        krhpr_platform_spatial_a_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, tail_y_legs, tail_x_legs);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        platform_joint_legs[0] = tail_legs[0];
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     return status;
 }
@@ -1078,27 +1182,34 @@ KRHPR_API int krhpr_spatial_rrrr_a_link_points(
     const double theta[12], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(points, 36);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_points(&g->subleg, i, x, e_2, v, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes points_legs[12];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, s_legs, points_legs);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 12, points_legs, 12, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
 }
@@ -1130,31 +1241,45 @@ KRHPR_API int krhpr_spatial_rrrr_a_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double N[6];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_determinant(&g->subleg, i, d, v, e_4, &type_1[i], factors + 4 * i);
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[4];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_determinant_lanes(
+            &g->subleg, i, d_legs, v_legs, e_4_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 4, factors_legs, 4, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1187,21 +1312,26 @@ KRHPR_API int krhpr_spatial_rrrr_a_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_line_of_redundant_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_of_redundant_lanes(
+            &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1238,7 +1368,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_all(
     double axes[9];
     double sextic[7];
     double found[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 18);
         krhpr_fill_nan(Q, 54);
         krhpr_fill_nan(redundant, 18);
@@ -1247,8 +1377,12 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1364,7 +1498,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!(krhpr_taint(theta, 12) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 12) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1372,16 +1506,21 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(12)] = {0.0};
-    double sine[KRHPR_PADDED(12)];
-    double cosine[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward_angles(theta + 4 * i, angle + 4 * i);
-    }
-    krhpr_sincos_array(12, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes angle_legs[4];
+        krhpr_lanes sine_legs[4];
+        krhpr_lanes cosine_legs[4];
+        krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1495,7 +1634,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1505,8 +1644,12 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_newton(
     double tail_y[KRHPR_PADDED(3)] = {0.0};
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1582,7 +1725,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_1(
     double flatness[1];
     double radicand[1];
     double agreement[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(mismatch, 2);
@@ -1594,9 +1737,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_1(
     krhpr_platform_spatial_a_turns_1_angles(measured, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1653,7 +1802,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1666,9 +1815,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1732,7 +1887,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1745,9 +1900,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1813,7 +1974,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1826,9 +1987,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1913,7 +2080,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1926,9 +2093,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -2043,7 +2216,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_near(
     }
     int status = krhpr_spatial_rrrr_a_inverse_all(g, p, Q, redundant, swivel, all);
     krhpr_fill_nan(theta, 12);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 12) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 12))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -6,6 +6,9 @@
 #include "krhpr_spatial_rrrr_c.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_c_lanes.h"
+#include "krhpr_subleg_rrrr_lanes.h"
 
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
 static const double swivel_default[3] = {0.0};
@@ -14,19 +17,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_prepare(krhpr_spatial_rrrr_c_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_rrrr_prepare(&g->subleg, i);
         krhpr_platform_spatial_c_prepare(&g->platform, i);
@@ -72,7 +75,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -101,12 +104,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points(
     double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -134,12 +142,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -166,19 +179,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward(
     const krhpr_spatial_rrrr_c_geometry *g, const double theta[12], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 12))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(12)] = {0.0};
-    double sine[KRHPR_PADDED(12)];
-    double cosine[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward_angles(theta + 4 * i, angle + 4 * i);
-    }
-    krhpr_sincos_array(12, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes angle_legs[4];
+        krhpr_lanes sine_legs[4];
+        krhpr_lanes cosine_legs[4];
+        krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -208,43 +222,44 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(s, 9) + krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_inverse_all_angles(swivel[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(30)] = {0.0};
-    double tail_x[KRHPR_PADDED(30)] = {0.0};
-    double tail[KRHPR_PADDED(30)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_inverse_all(
-            &g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i,
-            tail_x + 10 * i);
-    }
-    krhpr_atan2_array(30, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[10];
+        krhpr_lanes tail_x_legs[10];
+        krhpr_lanes tail_legs[10];
+        krhpr_subleg_rrrr_inverse_all_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[0];
+        theta_legs[5] = tail_legs[1];
+        theta_legs[6] = tail_legs[4];
+        theta_legs[7] = tail_legs[5];
+        theta_legs[8] = tail_legs[6];
+        theta_legs[9] = tail_legs[7];
+        theta_legs[10] = tail_legs[8];
+        theta_legs[11] = tail_legs[3];
+        theta_legs[12] = tail_legs[6];
+        theta_legs[13] = tail_legs[7];
+        theta_legs[14] = tail_legs[9];
+        theta_legs[15] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -277,32 +292,33 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel(
     double *KRHPR_RESTRICT swivel)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(swivel, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_swivel(&g->subleg, i, d, v, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        swivel[i] = tail[1 * i + 0];
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes swivel_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_swivel_lanes(&g->subleg, i, d_legs, v_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        swivel_legs[0] = tail_legs[0];
+        krhpr_legs_store(swivel, 1, swivel_legs, 1, i);
     }
     return status;
 }
@@ -329,25 +345,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian(
     double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(M, 36);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_jacobian(&g->subleg, i, x, e_2, d, v, e_4, M + 12 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes M_legs[12];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_jacobian_lanes(&g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, M_legs);
+        krhpr_legs_store(M, 12, M_legs, 12, i);
     }
     return status;
 }
@@ -374,12 +393,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -407,7 +431,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians(
     const double theta[12], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 72);
         return KRHPR_INVALID_INPUT;
@@ -415,28 +439,32 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians(
     for (int k = 0; k < 72; ++k) {
         K[k] = 0.0;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double K_block[8];
-        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K_block);
-        for (int k = 0; k < 4; ++k) {
-            K[28 * i + 0 + k] = K_block[0 + k];
-            K[28 * i + 12 + k] = K_block[4 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes K_legs[8];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_project_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 28, K_legs, 4, i);
+        krhpr_legs_store(K + 12, 28, K_legs + 4, 4, i);
     }
     return status;
 }
@@ -464,28 +492,36 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks(
     const double theta[12], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 24);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_platform_spatial_c_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_project(&g->subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes K_legs[8];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_project_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 8, K_legs, 8, i);
     }
     return status;
 }
@@ -520,34 +556,39 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
+          krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_inverse_angles(swivel[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(12)] = {0.0};
-    double tail_x[KRHPR_PADDED(12)] = {0.0};
-    double tail[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_rrrr_inverse(
-            &g->subleg, i, s, mode + 2 * i, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 4 * i,
-            tail_x + 4 * i);
-    }
-    krhpr_atan2_array(12, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_rrrr_inverse_angles_lanes(swivel_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[4];
+        krhpr_lanes tail_x_legs[4];
+        krhpr_lanes tail_legs[4];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_rrrr_inverse_lanes(
+            &g->subleg, i, s_legs, mode_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs,
+            tail_x_legs);
+        krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -586,44 +627,48 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_inverse_all_angles(swivel[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    double tail_y[KRHPR_PADDED(30)] = {0.0};
-    double tail_x[KRHPR_PADDED(30)] = {0.0};
-    double tail[KRHPR_PADDED(30)];
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_rrrr_inverse_all(
-            &g->subleg, i, s, sine + 1 * i, cosine + 1 * i, &radicand[i], tail_y + 10 * i, tail_x + 10 * i);
-    }
-    krhpr_atan2_array(30, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes tail_y_legs[10];
+        krhpr_lanes tail_x_legs[10];
+        krhpr_lanes tail_legs[10];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_rrrr_inverse_all_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
+        theta_legs[0] = tail_legs[0];
+        theta_legs[1] = tail_legs[1];
+        theta_legs[2] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[0];
+        theta_legs[5] = tail_legs[1];
+        theta_legs[6] = tail_legs[4];
+        theta_legs[7] = tail_legs[5];
+        theta_legs[8] = tail_legs[6];
+        theta_legs[9] = tail_legs[7];
+        theta_legs[10] = tail_legs[8];
+        theta_legs[11] = tail_legs[3];
+        theta_legs[12] = tail_legs[6];
+        theta_legs[13] = tail_legs[7];
+        theta_legs[14] = tail_legs[9];
+        theta_legs[15] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -663,15 +708,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
+          krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_c_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_rrrr_reach(&g->subleg, i, s, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_rrrr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -709,32 +759,43 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
-          krhpr_taint(theta_dot, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+          krhpr_taint(theta_dot, 12))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double s_dot[3];
-        krhpr_platform_spatial_c_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_dot + 4 * i, s_dot);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_velocity_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -774,30 +835,41 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(swivel_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(swivel_rates, 3))) {
         krhpr_fill_nan(theta_dot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_platform_spatial_c_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_rates(
-            &g->subleg, i, x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes swivel_rates_legs[1]; krhpr_legs_load(swivel_rates_legs, swivel_rates, 1, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes theta_dot_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_c_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_rates_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, s_dot_legs, swivel_rates_legs[0],
+            theta_dot_legs, regularity_legs);
+        krhpr_legs_store(theta_dot, 4, theta_dot_legs, 4, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -837,42 +909,56 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 12) + krhpr_taint(theta_ddot, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 12) + krhpr_taint(theta_ddot, 12))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_bias_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double swivel_bias;
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_c_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_rrrr_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot, bias,
-            &swivel_bias);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_velocity(&g->subleg, i, x, e_2, d, v, e_4, theta_ddot + 4 * i, along);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_c_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
+        krhpr_lanes theta_ddot_legs[4]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 4, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes swivel_bias_legs[1];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_rrrr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_legs, bias_legs,
+            swivel_bias_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_velocity_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, theta_ddot_legs, along_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_c_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -914,43 +1000,58 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 12) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) + krhpr_taint(swivel_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3) + krhpr_taint(swivel_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_bias_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double swivel_bias;
-        double along[3];
-        double swivel_along;
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_platform_spatial_c_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_rrrr_bias(
-            &g->subleg, i, s + 3 * i, theta_dot + 4 * i, sine + 3 * i, cosine + 3 * i, s_dot_again, bias,
-            &swivel_bias);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_rrrr_swivel_difference(swivel_accelerations[i], swivel_bias, &swivel_along);
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_rates(
-            &g->subleg, i, x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
+        krhpr_lanes swivel_accelerations_legs[1]; krhpr_legs_load(swivel_accelerations_legs, swivel_accelerations, 1, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes swivel_bias_legs[1];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes swivel_along_legs[1];
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes theta_ddot_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_c_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_rrrr_bias_lanes(
+            &g->subleg, i, s_legs, theta_dot_legs, sine_legs, cosine_legs, s_dot_again_legs, bias_legs,
+            swivel_bias_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_rrrr_swivel_difference_lanes(
+            swivel_accelerations_legs[0], swivel_bias_legs[0], swivel_along_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_rates_lanes(
+            &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, along_legs, swivel_along_legs[0],
+            theta_ddot_legs, regularity_legs);
+        krhpr_legs_store(theta_ddot, 4, theta_ddot_legs, 4, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
@@ -985,30 +1086,38 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints(
     const double theta[12], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_passive(&g->subleg, i, x, e_2, v, e_4, link);
-        krhpr_platform_spatial_c_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_passive_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, e_4_legs, link_legs);
+        krhpr_platform_spatial_c_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, platform_joint_legs);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     return status;
 }
@@ -1036,27 +1145,32 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points(
     const double theta[12], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(points, 36);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_points(&g->subleg, i, x, e_2, v, s + 3 * i, points + 12 * i);
-        krhpr_platform_spatial_c_attachment(&g->platform, i, s + 3 * i, attachment + 3 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes points_legs[12];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, s_legs, points_legs);
+        krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
+        krhpr_legs_store(points, 12, points_legs, 12, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
 }
@@ -1088,31 +1202,45 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 12))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(9)] = {0.0};
-    double sine[KRHPR_PADDED(9)];
-    double cosine[KRHPR_PADDED(9)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_posture_angles(theta + 4 * i, angle + 3 * i);
-    }
-    krhpr_sincos_array(9, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double x[3];
-        double e_2[3];
-        double d[3];
-        double v[3];
-        double e_4[3];
-        double N[6];
-        krhpr_subleg_rrrr_posture(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
-        krhpr_subleg_rrrr_determinant(&g->subleg, i, d, v, e_4, &type_1[i], factors + 4 * i);
-        krhpr_platform_spatial_c_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[3];
+        krhpr_lanes v_legs[3];
+        krhpr_lanes e_4_legs[3];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[4];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
+        krhpr_subleg_rrrr_determinant_lanes(
+            &g->subleg, i, d_legs, v_legs, e_4_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 4, factors_legs, 4, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1145,14 +1273,21 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_line_of_redundant(
-            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_platform_spatial_c_line_of_redundant_lanes(
+            &g->platform, i, redundant_legs[0], line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1186,7 +1321,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all(
     double flatness[1];
     double breadth[1];
     double radicand[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(redundant, 6);
@@ -1194,8 +1329,10 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1253,7 +1390,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!(krhpr_taint(theta, 12) + krhpr_taint(&side, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 12) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1261,16 +1398,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(12)] = {0.0};
-    double sine[KRHPR_PADDED(12)];
-    double cosine[KRHPR_PADDED(12)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward_angles(theta + 4 * i, angle + 4 * i);
-    }
-    krhpr_sincos_array(12, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_rrrr_forward(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes angle_legs[4];
+        krhpr_lanes sine_legs[4];
+        krhpr_lanes cosine_legs[4];
+        krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1330,15 +1470,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1398,15 +1540,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1468,15 +1612,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1556,15 +1702,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1678,7 +1826,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near(
     }
     int status = krhpr_spatial_rrrr_c_inverse_all(g, p, Q, redundant, swivel, all);
     krhpr_fill_nan(theta, 12);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 12) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 12))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -6,6 +6,9 @@
 #include "krhpr_spatial_tripteron_a.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_a_lanes.h"
+#include "krhpr_subleg_tripteron_lanes.h"
 #include "krhpr_roots.h"
 
 static const double box_default[6] = {0.5235987755982988, 2.6179938779914944, 0.5235987755982988, 2.6179938779914944, 0.5235987755982988, 2.6179938779914944};
@@ -14,23 +17,23 @@ KRHPR_API int krhpr_spatial_tripteron_a_prepare(krhpr_spatial_tripteron_a_geomet
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_tripteron_prepare(&g->subleg, i);
         krhpr_platform_spatial_a_prepare(&g->platform, i);
@@ -81,7 +84,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -110,19 +113,23 @@ KRHPR_API int krhpr_spatial_tripteron_a_end_points(
     const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -150,19 +157,23 @@ KRHPR_API int krhpr_spatial_tripteron_a_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[KRHPR_PADDED(3)] = {0.0};
-    double tail_x[KRHPR_PADDED(3)] = {0.0};
-    double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_redundant(&g->platform, i, p, Q, s + 3 * i, tail_y + 1 * i, tail_x + 1 * i);
-    }
-    krhpr_atan2_array(3, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        redundant[i] = tail[1 * i + 0];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_lanes tail_y_legs[1];
+        krhpr_lanes tail_x_legs[1];
+        krhpr_lanes tail_legs[1];
+        krhpr_platform_spatial_a_redundant_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, tail_y_legs, tail_x_legs);
+        krhpr_lanes_atan2_each(1, tail_y_legs, tail_x_legs, tail_legs);
+        redundant_legs[0] = tail_legs[0];
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -190,12 +201,17 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_forward(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg, i, theta + 3 * i, s + 3 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_tripteron_forward_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -227,12 +243,17 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_tripteron_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -264,14 +285,18 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_jacobian(
     double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_jacobian(&g->subleg, i, M + 9 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes M_legs[9];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_jacobian_lanes(&g->subleg, i, M_legs);
+        krhpr_legs_store(M, 9, M_legs, 9, i);
     }
     return status;
 }
@@ -298,12 +323,17 @@ KRHPR_API int krhpr_spatial_tripteron_a_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -331,7 +361,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_jacobians(
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -339,17 +369,21 @@ KRHPR_API int krhpr_spatial_tripteron_a_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double rho[3];
-        double K_block[6];
-        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_project(&g->subleg, i, N, K_block);
-        for (int k = 0; k < 3; ++k) {
-            K[21 * i + 0 + k] = K_block[0 + k];
-            K[21 * i + 9 + k] = K_block[3 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes K_legs[6];
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_project_lanes(&g->subleg, i, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 21, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
     }
     return status;
 }
@@ -377,17 +411,25 @@ KRHPR_API int krhpr_spatial_tripteron_a_jacobian_blocks(
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double rho[3];
-        krhpr_platform_spatial_a_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_project(&g->subleg, i, N, K + 6 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes K_legs[6];
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_project_lanes(&g->subleg, i, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 6, K_legs, 6, i);
     }
     return status;
 }
@@ -416,21 +458,27 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_tripteron_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_tripteron_inverse_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -465,21 +513,27 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_tripteron_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_tripteron_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -513,21 +567,25 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse_status(
     const double redundant[3], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_end_point_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_a_end_point(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_tripteron_reach(&g->subleg, i, s, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_end_point_lanes(
+            &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
+        krhpr_subleg_tripteron_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -564,21 +622,32 @@ KRHPR_API int krhpr_spatial_tripteron_a_twist(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double rho[3];
-        double s_dot[3];
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_velocity(&g->subleg, i, theta_dot + 3 * i, s_dot);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rate_legs[2];
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_velocity_lanes(&g->subleg, i, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -617,18 +686,26 @@ KRHPR_API int krhpr_spatial_tripteron_a_joint_rates(
     double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double rho[3];
-        krhpr_platform_spatial_a_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_rates(&g->subleg, i, s_dot, theta_dot + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_platform_spatial_a_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_rates_lanes(&g->subleg, i, s_dot_legs, theta_dot_legs);
+        krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
     }
     return status;
 }
@@ -661,28 +738,43 @@ KRHPR_API int krhpr_spatial_tripteron_a_platform_acceleration(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double rho[3];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_bias(&g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_velocity(&g->subleg, i, theta_ddot + 3 * i, along);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_a_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_tripteron_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_legs, bias_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_velocity_lanes(&g->subleg, i, theta_ddot_legs, along_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_a_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -722,27 +814,38 @@ KRHPR_API int krhpr_spatial_tripteron_a_joint_accelerations(
     const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double along[3];
-        double rho[3];
-        krhpr_platform_spatial_a_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_tripteron_bias(
-            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_rates(&g->subleg, i, along, theta_ddot + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes theta_ddot_legs[3];
+        krhpr_platform_spatial_a_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_tripteron_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_again_legs, bias_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_rates_lanes(&g->subleg, i, along_legs, theta_ddot_legs);
+        krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
     }
     return status;
 }
@@ -774,35 +877,47 @@ KRHPR_API int krhpr_spatial_tripteron_a_passive_joints(
     int status = KRHPR_OK;
     double radicand[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[KRHPR_PADDED(21)] = {0.0};
-    double tail_x[KRHPR_PADDED(21)] = {0.0};
-    double tail[KRHPR_PADDED(21)];
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_passive(
-            &g->subleg, i, rho, link, &radicand[i], &regularity[i], tail_y + 6 * i, tail_x + 6 * i);
-        krhpr_platform_spatial_a_joint(
-            &g->platform, i, p, Q, s + 3 * i, redundant_link, tail_y + 18 + 1 * i, tail_x + 18 + 1 * i);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
-    }
-    krhpr_atan2_array(21, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        passive[6 * i + 0] = tail[6 * i + 0];
-        passive[6 * i + 1] = tail[6 * i + 1];
-        passive[6 * i + 2] = tail[6 * i + 2];
-        passive[6 * i + 3] = tail[6 * i + 3];
-        passive[6 * i + 4] = tail[6 * i + 4];
-        passive[6 * i + 5] = tail[6 * i + 5];
-        platform_joint[i] = tail[18 + 1 * i + 0];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes passive_legs[6];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_lanes tail_y_legs[7];
+        krhpr_lanes tail_x_legs[7];
+        krhpr_lanes tail_legs[7];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_passive_lanes(
+            &g->subleg, i, rho_legs, link_legs, radicand_legs, regularity_legs, tail_y_legs, tail_x_legs);
+        krhpr_platform_spatial_a_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, tail_y_legs + 6, tail_x_legs + 6);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_lanes_atan2_each(7, tail_y_legs, tail_x_legs, tail_legs);
+        passive_legs[0] = tail_legs[0];
+        passive_legs[1] = tail_legs[1];
+        passive_legs[2] = tail_legs[2];
+        passive_legs[3] = tail_legs[3];
+        passive_legs[4] = tail_legs[4];
+        passive_legs[5] = tail_legs[5];
+        platform_joint_legs[0] = tail_legs[6];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(passive, 6, passive_legs, 6, i);
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -847,17 +962,29 @@ KRHPR_API int krhpr_spatial_tripteron_a_link_points(
     int status = KRHPR_OK;
     double radicand[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(points, 72);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points(
-            &g->subleg, i, rho, s + 3 * i, points + 24 * i, &radicand[i], &regularity[i]);
-        krhpr_platform_spatial_a_attachment(&g->platform, i, p, Q, attachment + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes points_legs[24];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes attachment_legs[3];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_points_lanes(
+            &g->subleg, i, rho_legs, s_legs, points_legs, radicand_legs, regularity_legs);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 24, points_legs, 24, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -901,20 +1028,34 @@ KRHPR_API int krhpr_spatial_tripteron_a_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        double N[6];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_determinant(&g->subleg, i, rho, &type_1[i], factors + 3 * i);
-        krhpr_platform_spatial_a_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[3];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_determinant_lanes(&g->subleg, i, rho_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 3, factors_legs, 3, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -947,21 +1088,26 @@ KRHPR_API int krhpr_spatial_tripteron_a_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    double angle[KRHPR_PADDED(3)] = {0.0};
-    double sine[KRHPR_PADDED(3)];
-    double cosine[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_line_of_redundant_angles(redundant[i], angle + 1 * i);
-    }
-    krhpr_sincos_array(3, angle, sine, cosine);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_line_of_redundant(
-            &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_line_of_redundant_lanes(
+            &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -998,7 +1144,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_all(
     double axes[9];
     double sextic[7];
     double found[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 18);
         krhpr_fill_nan(Q, 54);
         krhpr_fill_nan(redundant, 18);
@@ -1007,8 +1153,12 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1125,7 +1275,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1133,9 +1283,18 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg, i, theta + 3 * i, s + 3 * i, &radicand[i]);
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_subleg_tripteron_forward_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1254,7 +1413,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1264,8 +1423,12 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_newton(
     double tail_y[KRHPR_PADDED(3)] = {0.0};
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1341,7 +1504,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_1(
     double flatness[1];
     double radicand[1];
     double agreement[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 1) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(mismatch, 2);
@@ -1353,9 +1516,15 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_1(
     krhpr_platform_spatial_a_turns_1_angles(measured, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1412,7 +1581,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1425,9 +1594,15 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1491,7 +1666,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1504,9 +1679,15 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1572,7 +1753,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1585,9 +1766,15 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1672,7 +1859,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
@@ -1685,9 +1872,15 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
-        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
+        krhpr_lanes arm_legs[2];
+        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
+        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
+        krhpr_legs_store(length, 1, length_legs, 1, i);
+        krhpr_legs_store(arm, 2, arm_legs, 2, i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1799,7 +1992,7 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse_near(
     double all[9];
     int status = krhpr_spatial_tripteron_a_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 9))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

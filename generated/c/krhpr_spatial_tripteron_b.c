@@ -6,29 +6,32 @@
 #include "krhpr_spatial_tripteron_b.h"
 
 #include "krhpr_algebra_spatial.h"
+#include "krhpr_algebra_spatial_lanes.h"
+#include "krhpr_platform_spatial_b_lanes.h"
+#include "krhpr_subleg_tripteron_lanes.h"
 
 
 KRHPR_API int krhpr_spatial_tripteron_b_prepare(krhpr_spatial_tripteron_b_geometry *g)
 {
     int valid = 1;
     g->subleg.azimuth[KRHPR_PLACES - 1] = g->subleg.azimuth[2];
-    valid &= krhpr_taint(g->subleg.azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.azimuth, KRHPR_PLACES));
     g->subleg.R_b[KRHPR_PLACES - 1] = g->subleg.R_b[2];
-    valid &= krhpr_taint(g->subleg.R_b, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.R_b, KRHPR_PLACES));
     g->subleg.alpha[KRHPR_PLACES - 1] = g->subleg.alpha[2];
-    valid &= krhpr_taint(g->subleg.alpha, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.alpha, KRHPR_PLACES));
     g->subleg.l_1[KRHPR_PLACES - 1] = g->subleg.l_1[2];
-    valid &= krhpr_taint(g->subleg.l_1, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_1, KRHPR_PLACES));
     g->subleg.l_2[KRHPR_PLACES - 1] = g->subleg.l_2[2];
-    valid &= krhpr_taint(g->subleg.l_2, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_2, KRHPR_PLACES));
     g->subleg.l_3[KRHPR_PLACES - 1] = g->subleg.l_3[2];
-    valid &= krhpr_taint(g->subleg.l_3, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->subleg.l_3, KRHPR_PLACES));
     g->platform.platform_azimuth[KRHPR_PLACES - 1] = g->platform.platform_azimuth[2];
-    valid &= krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.platform_azimuth, KRHPR_PLACES));
     g->platform.R_p[KRHPR_PLACES - 1] = g->platform.R_p[2];
-    valid &= krhpr_taint(g->platform.R_p, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.R_p, KRHPR_PLACES));
     g->platform.l_r[KRHPR_PLACES - 1] = g->platform.l_r[2];
-    valid &= krhpr_taint(g->platform.l_r, KRHPR_PLACES) == 0.0;
+    valid &= krhpr_is_clean(krhpr_taint(g->platform.l_r, KRHPR_PLACES));
     for (int i = 0; i < KRHPR_PLACES; ++i) {
         krhpr_subleg_tripteron_prepare(&g->subleg, i);
         krhpr_platform_spatial_b_prepare(&g->platform, i);
@@ -79,7 +82,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_rotation_error(
 {
     int status = KRHPR_OK;
     (void)g;
-    if (!(krhpr_taint(Q, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(Q, 9))) {
         krhpr_fill_nan(error, 1);
         return KRHPR_INVALID_INPUT;
     }
@@ -108,12 +111,17 @@ KRHPR_API int krhpr_spatial_tripteron_b_end_points(
     const double redundant[3], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
 }
@@ -141,12 +149,17 @@ KRHPR_API int krhpr_spatial_tripteron_b_redundant_coordinates(
     double *KRHPR_RESTRICT redundant)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_redundant(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_spatial_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
 }
@@ -174,12 +187,17 @@ KRHPR_API int krhpr_spatial_tripteron_b_subleg_forward(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg, i, theta + 3 * i, s + 3 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_tripteron_forward_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -211,12 +229,17 @@ KRHPR_API int krhpr_spatial_tripteron_b_subleg_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_inverse_all(&g->subleg, i, s + 3 * i, theta + 3 * i, &radicand[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_subleg_tripteron_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -248,14 +271,18 @@ KRHPR_API int krhpr_spatial_tripteron_b_subleg_jacobian(
     double *KRHPR_RESTRICT M)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_jacobian(&g->subleg, i, M + 9 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes M_legs[9];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_jacobian_lanes(&g->subleg, i, M_legs);
+        krhpr_legs_store(M, 9, M_legs, 9, i);
     }
     return status;
 }
@@ -282,12 +309,17 @@ KRHPR_API int krhpr_spatial_tripteron_b_constraints(
     double *KRHPR_RESTRICT residual)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_residual(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes residual_legs[2];
+        krhpr_platform_spatial_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
+        krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
 }
@@ -315,7 +347,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_jacobians(
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -323,17 +355,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double rho[3];
-        double K_block[6];
-        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_project(&g->subleg, i, N, K_block);
-        for (int k = 0; k < 3; ++k) {
-            K[21 * i + 0 + k] = K_block[0 + k];
-            K[21 * i + 9 + k] = K_block[3 + k];
-        }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes K_legs[6];
+        krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_project_lanes(&g->subleg, i, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 21, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
     }
     return status;
 }
@@ -361,17 +397,25 @@ KRHPR_API int krhpr_spatial_tripteron_b_jacobian_blocks(
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double rho[3];
-        krhpr_platform_spatial_b_rows(&g->platform, i, p, Q, s + 3 * i, J + 12 * i, N);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_project(&g->subleg, i, N, K + 6 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes K_legs[6];
+        krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_project_lanes(&g->subleg, i, N_legs, K_legs);
+        krhpr_legs_store(J, 12, J_legs, 12, i);
+        krhpr_legs_store(K, 6, K_legs, 6, i);
     }
     return status;
 }
@@ -400,14 +444,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_inverse(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_tripteron_inverse(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_tripteron_inverse_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -442,14 +493,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_tripteron_inverse_all(&g->subleg, i, s, theta + 3 * i, &radicand[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes theta_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_tripteron_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        krhpr_legs_store(theta, 3, theta_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -483,14 +541,19 @@ KRHPR_API int krhpr_spatial_tripteron_b_inverse_status(
     const double redundant[3], double *KRHPR_RESTRICT excess)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s[3];
-        krhpr_platform_spatial_b_end_point(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_tripteron_reach(&g->subleg, i, s, &excess[i]);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
+        krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
+        krhpr_subleg_tripteron_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(excess[i] <= 0.0)) {
@@ -527,21 +590,32 @@ KRHPR_API int krhpr_spatial_tripteron_b_twist(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double rho[3];
-        double s_dot[3];
-        krhpr_platform_spatial_b_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_velocity(&g->subleg, i, theta_dot + 3 * i, s_dot);
-        krhpr_algebra_spatial_rate(N, s_dot, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rate_legs[2];
+        krhpr_platform_spatial_b_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_velocity_lanes(&g->subleg, i, theta_dot_legs, s_dot_legs);
+        krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -580,18 +654,26 @@ KRHPR_API int krhpr_spatial_tripteron_b_joint_rates(
     double *KRHPR_RESTRICT theta_dot)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double rho[3];
-        krhpr_platform_spatial_b_end_velocity(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], s_dot);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_rates(&g->subleg, i, s_dot, theta_dot + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_platform_spatial_b_end_velocity_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_rates_lanes(&g->subleg, i, s_dot_legs, theta_dot_legs);
+        krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
     }
     return status;
 }
@@ -624,28 +706,43 @@ KRHPR_API int krhpr_spatial_tripteron_b_platform_acceleration(
     double point[6];
     double rate[6];
     double det_regularity[2];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double N[6];
-        double scale[2];
-        double s_dot[3];
-        double bias[3];
-        double rho[3];
-        double along[3];
-        double s_ddot[3];
-        double row_bias[2];
-        krhpr_platform_spatial_b_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
-        krhpr_subleg_tripteron_bias(&g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot, bias);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_velocity(&g->subleg, i, theta_ddot + 3 * i, along);
-        krhpr_algebra_spatial_sum(along, bias, s_ddot);
-        krhpr_platform_spatial_b_row_bias(&g->platform, i, p, Q, s + 3 * i, twist, s_dot, row_bias);
-        krhpr_algebra_spatial_rate_with_bias(N, s_ddot, row_bias, rate + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes row_bias_legs[2];
+        krhpr_lanes rate_legs[2];
+        krhpr_platform_spatial_b_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_tripteron_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_legs, bias_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_velocity_lanes(&g->subleg, i, theta_ddot_legs, along_legs);
+        krhpr_algebra_spatial_sum_lanes(along_legs, bias_legs, s_ddot_legs);
+        krhpr_platform_spatial_b_row_bias_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
+        krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist_rate, det_regularity);
     if (!(det_regularity[0] >= 1e-24)) {
@@ -685,27 +782,38 @@ KRHPR_API int krhpr_spatial_tripteron_b_joint_accelerations(
     const double twist_rate[6], const double redundant_accelerations[3], double *KRHPR_RESTRICT theta_ddot)
 {
     int status = KRHPR_OK;
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
           krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3) == 0.0)) {
+          krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double s_dot[3];
-        double s_ddot[3];
-        double s_dot_again[3];
-        double bias[3];
-        double along[3];
-        double rho[3];
-        krhpr_platform_spatial_b_end_acceleration(
-            &g->platform, i, p, Q, s + 3 * i, twist, redundant_rates[i], twist_rate,
-            redundant_accelerations[i], s_dot, s_ddot);
-        krhpr_subleg_tripteron_bias(
-            &g->subleg, i, s + 3 * i, theta + 3 * i, theta_dot + 3 * i, s_dot_again, bias);
-        krhpr_algebra_spatial_difference(s_ddot, bias, along);
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_rates(&g->subleg, i, along, theta_ddot + 3 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes s_ddot_legs[3];
+        krhpr_lanes s_dot_again_legs[3];
+        krhpr_lanes bias_legs[3];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes theta_ddot_legs[3];
+        krhpr_platform_spatial_b_end_acceleration_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
+            redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
+        krhpr_subleg_tripteron_bias_lanes(
+            &g->subleg, i, s_legs, theta_legs, theta_dot_legs, s_dot_again_legs, bias_legs);
+        krhpr_algebra_spatial_difference_lanes(s_ddot_legs, bias_legs, along_legs);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_rates_lanes(&g->subleg, i, along_legs, theta_ddot_legs);
+        krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
     }
     return status;
 }
@@ -737,33 +845,46 @@ KRHPR_API int krhpr_spatial_tripteron_b_passive_joints(
     int status = KRHPR_OK;
     double radicand[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    double tail_y[KRHPR_PADDED(18)] = {0.0};
-    double tail_x[KRHPR_PADDED(18)] = {0.0};
-    double tail[KRHPR_PADDED(18)];
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        double link[9];
-        double redundant_link[9];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_passive(
-            &g->subleg, i, rho, link, &radicand[i], &regularity[i], tail_y + 6 * i, tail_x + 6 * i);
-        krhpr_platform_spatial_b_joint(&g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
-        krhpr_algebra_spatial_wrist(link, redundant_link, spherical + 9 * i);
-    }
-    krhpr_atan2_array(18, tail_y, tail_x, tail);
-    for (int i = 0; i < 3; ++i) {
-        passive[6 * i + 0] = tail[6 * i + 0];
-        passive[6 * i + 1] = tail[6 * i + 1];
-        passive[6 * i + 2] = tail[6 * i + 2];
-        passive[6 * i + 3] = tail[6 * i + 3];
-        passive[6 * i + 4] = tail[6 * i + 4];
-        passive[6 * i + 5] = tail[6 * i + 5];
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes link_legs[9];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes passive_legs[6];
+        krhpr_lanes redundant_link_legs[9];
+        krhpr_lanes platform_joint_legs[1];
+        krhpr_lanes spherical_legs[9];
+        krhpr_lanes tail_y_legs[6];
+        krhpr_lanes tail_x_legs[6];
+        krhpr_lanes tail_legs[6];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_passive_lanes(
+            &g->subleg, i, rho_legs, link_legs, radicand_legs, regularity_legs, tail_y_legs, tail_x_legs);
+        krhpr_platform_spatial_b_joint_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, platform_joint_legs);
+        krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
+        krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
+        passive_legs[0] = tail_legs[0];
+        passive_legs[1] = tail_legs[1];
+        passive_legs[2] = tail_legs[2];
+        passive_legs[3] = tail_legs[3];
+        passive_legs[4] = tail_legs[4];
+        passive_legs[5] = tail_legs[5];
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(passive, 6, passive_legs, 6, i);
+        krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
+        krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -808,17 +929,28 @@ KRHPR_API int krhpr_spatial_tripteron_b_link_points(
     int status = KRHPR_OK;
     double radicand[3];
     double regularity[3];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(points, 72);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_points(
-            &g->subleg, i, rho, s + 3 * i, points + 24 * i, &radicand[i], &regularity[i]);
-        krhpr_platform_spatial_b_attachment(&g->platform, i, Q, s + 3 * i, attachment + 3 * i);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes points_legs[24];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes attachment_legs[3];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_points_lanes(
+            &g->subleg, i, rho_legs, s_legs, points_legs, radicand_legs, regularity_legs);
+        krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
+        krhpr_legs_store(points, 24, points_legs, 24, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
@@ -862,20 +994,34 @@ KRHPR_API int krhpr_spatial_tripteron_b_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        double rho[3];
-        double N[6];
-        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
-        krhpr_subleg_tripteron_determinant(&g->subleg, i, rho, &type_1[i], factors + 3 * i);
-        krhpr_platform_spatial_b_line(
-            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes rho_legs[3];
+        krhpr_lanes type_1_legs[1];
+        krhpr_lanes factors_legs[3];
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
+        krhpr_subleg_tripteron_determinant_lanes(&g->subleg, i, rho_legs, type_1_legs, factors_legs);
+        krhpr_platform_spatial_b_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_legs_store(type_1, 1, type_1_legs, 1, i);
+        krhpr_legs_store(factors, 3, factors_legs, 3, i);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -908,14 +1054,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!(krhpr_taint(redundant, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_line_of_redundant(
-            &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_platform_spatial_b_line_of_redundant_lanes(
+            &g->platform, i, redundant_legs[0], line_legs, point_legs, scale_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(scale, 2, scale_legs, 2, i);
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -951,7 +1104,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_all(
     double flatness[1];
     double breadth[1];
     double radicand[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(&turned, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 6);
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(redundant, 6);
@@ -959,8 +1112,14 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1021,7 +1180,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!(krhpr_taint(theta, 9) + krhpr_taint(&side, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1029,9 +1188,20 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_subleg_tripteron_forward(&g->subleg, i, theta + 3 * i, s + 3 * i, &radicand[i]);
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_subleg_tripteron_forward_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(s, 3, s_legs, 3, i);
+        krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1099,15 +1269,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_encoders_2(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1170,15 +1346,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_encoders_3(
     double linear[6];
     double agreement[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1243,15 +1425,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_gauss_newton_2(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 2) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1335,15 +1523,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_forward_gauss_newton_3(
     double state[6];
     double change[1];
     double direction[1];
-    if (!(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3) == 0.0)) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(measured, 3) + krhpr_taint(&tolerance, 1) + krhpr_taint(weights, 3))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(raw, 9);
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; ++i) {
-        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+        krhpr_legs_store(distance, 1, distance_legs, 1, i);
+        krhpr_legs_store(start, 1, start_legs, 1, i);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1455,7 +1649,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_inverse_near(
     double all[9];
     int status = krhpr_spatial_tripteron_b_inverse_all(g, p, Q, redundant, all);
     krhpr_fill_nan(theta, 9);
-    if (status == KRHPR_INVALID_INPUT || !(krhpr_taint(theta_near, 9) == 0.0)) {
+    if (status == KRHPR_INVALID_INPUT || !krhpr_is_clean(krhpr_taint(theta_near, 9))) {
         return KRHPR_INVALID_INPUT;
     }
     for (int i = 0; i < 3; ++i) {

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from fractions import Fraction
+from functools import partial
 from itertools import count
 from math import prod
 from pathlib import Path
@@ -196,9 +197,18 @@ def _constants(subject: Subject, kernels: Iterable[Kernel]) -> dict[float, Fract
 
 
 def c_kernel(
-    subject: Subject, key: str, kernel: Kernel, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+    subject: Subject,
+    key: str,
+    kernel: Kernel,
+    inputs: Inputs,
+    geometry: Fields,
+    arithmetic: Arithmetic,
+    suffix: str = "",
 ) -> Outputs:
-    """A kernel of the C text, with its sines and cosines before it and its arctangents after it."""
+    """A kernel of the C text, with its sines and cosines before it and its arctangents after it.
+
+    `suffix`: `_lanes` for its form over lanes, of which the interpreter has one.
+    """
     program = c_program(subject, arithmetic)
     part = subject.code.parts[key]
     phases = split(part.kernel(kernel.name))
@@ -210,11 +220,12 @@ def c_kernel(
         values |= {"g": getattr(c_geometry(subject, geometry, program), key), "i": 0}
     if phases.angles is not None:
         angles = Array.unset(phases.angles.outputs[0].size, "angle")
-        names = program.parameters(f"{symbol}_angles")
-        program.call(f"{symbol}_angles", *(angles if name == "angle" else values[name] for name in names))
+        names = program.parameters(f"{symbol}_angles{suffix}")
+        program.call(f"{symbol}_angles{suffix}", *(angles if name == "angle" else values[name] for name in names))
         values |= {"sine": [sin(angle) for angle in angles], "cosine": [cos(angle) for angle in angles]}
     results = {port.name: Array.unset(port.size, port.name) for port in phases.body.outputs}
-    program.call(symbol, *({**values, **results}[name] for name in program.parameters(symbol)))
+    names = program.parameters(f"{symbol}{suffix}")
+    program.call(f"{symbol}{suffix}", *({**values, **results}[name] for name in names))
     found = {name: list(array) for name, array in results.items()}
     for tail in phases.tails:
         found[tail.port.name] = [arctan2(found["tail_y"][slot], found["tail_x"][slot]) for slot in tail.slots]
@@ -252,8 +263,12 @@ def casadi_kernel(
     return {port.name: [row[0] for row in rows] for port, rows in zip(kernel.outputs, matrices, strict=True)}
 
 
-KERNELS = {Target.C: c_kernel, Target.NUMPY: numpy_kernel, Target.CASADI: casadi_kernel}
-"""How a kernel of each printed target is run by itself."""
+KERNELS = {
+    Target.C: (c_kernel, partial(c_kernel, suffix="_lanes")),
+    Target.NUMPY: (numpy_kernel,),
+    Target.CASADI: (casadi_kernel,),
+}
+"""How a kernel of each printed target is run by itself, in each form in which it is printed."""
 
 PRINTED = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
 """How each printed target is run."""

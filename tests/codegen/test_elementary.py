@@ -25,6 +25,7 @@ NEAR = 1e5
 """The largest angle for which a bound is stated."""
 BLOCK = 64
 
+POSES = ("-DKRHPR_LANES_ARE_POSES",)
 FUSED = ("-march=native", "-ffp-contract=fast")
 WAYS = {
     "O0": ("-O0", "-std=c99"),
@@ -33,7 +34,9 @@ WAYS = {
     "O3 fused": ("-O3", *FUSED),
     "speed": ("-O3", *FUSED, "-fno-math-errno", "-fno-tree-slp-vectorize"),
     "one lane": ("-O2", "-ffp-contract=off", "-DKRHPR_LANES=1"),
-    "eight lanes": ("-O3", *FUSED, "-fno-math-errno", "-DKRHPR_LANES=8"),
+    "two lanes": ("-O2", "-ffp-contract=off", "-DKRHPR_LANES=2"),
+    "four lanes": ("-O3", *FUSED, "-DKRHPR_LANES=4", "-Wno-psabi"),
+    "eight lanes": ("-O3", *FUSED, "-fno-math-errno", *POSES, "-DKRHPR_LANES=8", "-Wno-psabi"),
 }
 
 

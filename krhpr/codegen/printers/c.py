@@ -18,6 +18,9 @@ FUNCTIONS = {
     Op.MAX: "krhpr_max",
 }
 
+LANE_FUNCTIONS = {op: f"krhpr_lanes_{name.removeprefix('krhpr_')}" for op, name in FUNCTIONS.items()}
+"""The same functions side by side."""
+
 _WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long
 register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
@@ -43,6 +46,26 @@ def print_kernel(kernel: Kernel) -> Body:
     return print_body(
         kernel, Dialect(FUNCTIONS, constant, lambda ref: input_text(kernel, ref), RESERVED, pairs=True)
     )
+
+
+def print_lanes(kernel: Kernel) -> Body:
+    """The same lines over lanes; numbers of the geometry are variables (`lane_text`)."""
+    alone = "krhpr_all({})".format
+    return print_body(
+        kernel,
+        Dialect(
+            LANE_FUNCTIONS, constant, lambda ref: lane_text(kernel, ref), RESERVED, pairs=True, alone=alone
+        ),
+    )
+
+
+def lane_text(kernel: Kernel, ref: InputRef) -> str:
+    """An input, or the variable that holds a number of the geometry: `g_l_3`, `g_e_x_0`."""
+    if not ref.port.startswith(GEOMETRY_PREFIX):
+        return input_text(kernel, ref)
+    assert kernel.geometry is not None
+    field = ref.port.removeprefix(GEOMETRY_PREFIX)
+    return f"g_{field}_{ref.index}" if is_array(kernel.geometry, field) else f"g_{field}"
 
 
 def input_text(kernel: Kernel, ref: InputRef) -> str:

@@ -50,7 +50,8 @@ class Dialect:
     """What differs between targets: names of functions, literals, how an input is read, words that must not
     be names.
 
-    With `pairs`, a sine and a cosine of one angle become one statement.
+    With `pairs`, a sine and a cosine of one angle become one statement.  `alone` writes a constant that is no
+    operand: a result, or the argument of a function.
     """
 
     functions: Mapping[Op, str]
@@ -58,6 +59,7 @@ class Dialect:
     input: Callable[[InputRef], str]
     reserved: frozenset[str]
     pairs: bool = False
+    alone: Callable[[str], str] = str
 
 
 _INFIX = {Op.ADD: (" + ", 1), Op.SUB: (" - ", 1), Op.MUL: (" * ", 2), Op.DIV: (" / ", 2)}
@@ -105,7 +107,7 @@ class _Printer:
             else:
                 self.text[index] = (expression, level)
         results = {
-            port.name: tuple(self.text[node][0] for node in self.kernel.results[port.name])
+            port.name: tuple(self._alone(node) for node in self.kernel.results[port.name])
             for port in self.kernel.outputs
         }
         return Body(tuple(self.lines), results, frozenset(self._inputs()))
@@ -143,7 +145,7 @@ class _Printer:
     def _pair(self, index: int, other: int) -> None:
         sine, cosine = (index, other) if self.graph.nodes[index].op is Op.SIN else (other, index)
         labels = self._label(sine), self._label(cosine)
-        self.lines.append(Pair(*labels, self.text[self.graph.nodes[sine].args[0]][0]))
+        self.lines.append(Pair(*labels, self._alone(self.graph.nodes[sine].args[0])))
         for node, label in zip((sine, cosine), labels, strict=True):
             self.text[node] = (label, _ATOM)
 
@@ -168,8 +170,12 @@ class _Printer:
             left = self._operand(node.args[0], level)
             right = self._operand(node.args[1], level + 1)
             return f"{left}{symbol}{right}", level
-        arguments = ", ".join(self.text[a][0] for a in node.args)
+        arguments = ", ".join(self._alone(a) for a in node.args)
         return f"{self.dialect.functions[node.op]}({arguments})", _ATOM
+
+    def _alone(self, index: int) -> str:
+        text = self.text[index][0]
+        return self.dialect.alone(text) if isinstance(self.graph.nodes[index].value, Fraction) else text
 
     def _operand(self, index: int, level: int) -> str:
         text, own = self.text[index]

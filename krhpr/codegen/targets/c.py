@@ -16,9 +16,11 @@ from krhpr.codegen.targets.c_kernels import (
     field_names,
     geometry_view,
     kernel_view,
+    lanes_view,
     positive_fields,
 )
 from krhpr.codegen.targets.c_limits import limits_view
+from krhpr.codegen.targets.c_numbers import LANES, NUMBER
 from krhpr.codegen.targets.c_sequence import sequence_view
 
 
@@ -29,17 +31,18 @@ class CTarget:
 
     def shared(self) -> Iterable[File]:
         statuses = [(status.name, status.value, STATUS_DOC[status]) for status in Status]
-        yield File("c/krhpr_elementary.h", render("c/krhpr_elementary.h.j2"))
+        yield File("c/krhpr_lanes.h", render("c/krhpr_lanes.h.j2"))
+        yield File("c/krhpr_elementary.h", render("c/krhpr_elementary.h.j2", number=NUMBER, lanes=LANES))
         yield File("c/krhpr_roots.h", render("c/krhpr_roots.h.j2"))
         yield File("c/krhpr.h", render("c/krhpr.h.j2", statuses=statuses))
 
     def part(self, part: Part) -> Iterable[File]:
-        kernels = []
-        for kernel in part.kernels:
-            phases = part.phases[kernel.name]
-            if phases.angles is not None:
-                kernels.append(kernel_view(part.name, phases.angles))
-            kernels.append(kernel_view(part.name, phases.body))
+        printed = [
+            phase
+            for kernel in part.kernels
+            for phase in (part.phases[kernel.name].angles, part.phases[kernel.name].body)
+            if phase is not None
+        ]
         prepare = None
         if part.geometry is not None:
             prepare = kernel_view(part.name, part.geometry.prepare)
@@ -48,11 +51,13 @@ class CTarget:
             render(
                 "c/part.h.j2",
                 part=part,
-                kernels=kernels,
+                kernels=[kernel_view(part.name, kernel) for kernel in printed],
                 prepare=prepare,
                 geometry=geometry_view(part.geometry),
             ),
         )
+        lanes = [lanes_view(part.name, kernel) for kernel in printed]
+        yield File(f"c/krhpr_{part.name}_lanes.h", render("c/lanes.h.j2", part=part, kernels=lanes))
 
     def robot(self, robot: RobotCode) -> Iterable[File]:
         functions = [function_view(robot, function) for function in robot.functions if function.calls]

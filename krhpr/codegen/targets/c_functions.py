@@ -24,6 +24,7 @@ from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.targets.base import broken, port_text
+from krhpr.codegen.targets.c_legs import LegsView, legs_view
 from krhpr.codegen.targets.c_statements import AtRoots, Iteration, Row, Statement
 
 BATCH = [
@@ -69,6 +70,8 @@ class FunctionView:
     platform_calls: tuple[Statement, ...]
     leg_guards: tuple[GuardView, ...]
     platform_guards: tuple[GuardView, ...]
+    legs: LegsView | None
+    """The legs side by side; what calls, locals and angles of legs there are otherwise, is then there."""
     batch_arguments: tuple[str, ...]
     in_sizes: tuple[int, ...]
     out_sizes: tuple[int, ...]
@@ -129,7 +132,8 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
     """A function's statements in the order of the source."""
     known = variables(function, robot.parts)
     outside = _read_outside_the_loop(robot, function)
-    plan = _Plan(robot, function, known, outside)
+    legs = legs_view(robot, function, known, outside)
+    plan = _Plan(robot, function, known, outside, leave_out=Stage.LEG if legs else None)
     diagonal = [port for port in function.outputs if port.layout is Layout.DIAGONAL]
     of_roots = {  # they have variables of their own
         call.variable_out(port.name)
@@ -164,7 +168,9 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
             for variable in made.values()
             if not variable.per_leg or variable.name in outside
         ),
-        leg_locals=tuple(
+        leg_locals=()
+        if legs
+        else tuple(
             [
                 _local(variable, legs=False)
                 for variable in made.values()
@@ -190,6 +196,7 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         platform_guards=tuple(
             _platform_guard(guard, function) for guard in function.guards if guard not in leg_guards
         ),
+        legs=legs,
         batch_arguments=tuple(batch_arguments(function)),
         in_sizes=tuple(port.full_size for port in function.inputs),
         out_sizes=tuple(port.full_size for port in function.outputs),
@@ -212,7 +219,13 @@ class _Plan:
     """
 
     def __init__(
-        self, robot: RobotCode, function: RobotFunction, known: dict[str, Variable], outside: set[str]
+        self,
+        robot: RobotCode,
+        function: RobotFunction,
+        known: dict[str, Variable],
+        outside: set[str],
+        *,
+        leave_out: Stage | None,
     ) -> None:
         self.robot, self.known, self.outside = robot, known, outside
         self.read = function.read(robot.parts, guards=True)
@@ -226,7 +239,8 @@ class _Plan:
         self.platform_calls: list[Statement] = []
         self._offsets: dict[str, str] = {}
         for call in function.calls:
-            self._add(call)
+            if call.stage is not leave_out:
+                self._add(call)
 
     def _add(self, call: Call) -> None:
         part = self.robot.parts[call.part]

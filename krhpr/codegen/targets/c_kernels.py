@@ -7,11 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from krhpr.codegen.composition import RobotCode
-from krhpr.codegen.kernel import LEGS, GeometryType, Kernel, Port
+from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, GeometryType, Kernel, Port
 from krhpr.codegen.part import Part
-from krhpr.codegen.printers.c import print_kernel
-from krhpr.codegen.printers.infix import Line, Pair
+from krhpr.codegen.printers.c import input_text, lane_text, print_kernel, print_lanes
+from krhpr.codegen.printers.infix import Body, Line, Pair
 from krhpr.codegen.targets.base import kernel_comment
+from krhpr.codegen.targets.c_numbers import LANES, NUMBER, Writing
 
 
 @dataclass(frozen=True)
@@ -47,23 +48,74 @@ def kernel_view(part: str, kernel: Kernel) -> KernelView:
             f"krhpr_{part}_prepare", kernel_comment(kernel), tuple(parameters), (), body_lines, stores
         )
     parameters += [_parameter(port, output=True) for port in kernel.outputs]
-    stores = tuple(
+    return KernelView(
+        f"krhpr_{part}_{kernel.name}",
+        kernel_comment(kernel),
+        tuple(parameters),
+        tuple(unused),
+        tuple(_statement(line, str) for line in body.lines),
+        _stores(kernel, body),
+    )
+
+
+def lanes_view(part: str, kernel: Kernel) -> KernelView:
+    """A kernel over lanes."""
+    body = print_lanes(kernel)
+    used = {ref.port.split(".")[0] for ref in body.inputs_used}
+    real = LANES.real
+    parameters = [f"const krhpr_{part}_geometry *g", "int i"] if kernel.geometry else []
+    parameters += [_parameter(port, real=real) for port in kernel.inputs]
+    parameters += [_parameter(port, output=True, real=real) for port in kernel.outputs]
+    unused = [port.name for port in kernel.inputs if port.name not in used]
+    if kernel.geometry and "g" not in used:
+        unused[:0] = ["g", "i"]
+    fields = sorted(
+        (ref for ref in body.inputs_used if ref.port.startswith(GEOMETRY_PREFIX)),
+        key=lambda ref: (_place(kernel, ref.port.removeprefix(GEOMETRY_PREFIX)), ref.index),
+    )
+    loads = [
+        (
+            f"const {real} {lane_text(kernel, ref)} = "
+            f"krhpr_of_leg({input_text(kernel, ref).removesuffix('[i]')}, i);",
+            "",
+        )
+        for ref in fields
+    ]
+    lines = [_statement(line, str, LANES) for line in body.lines]
+    return KernelView(
+        f"krhpr_{part}_{kernel.name}_lanes",
+        kernel_comment(kernel),
+        tuple(parameters),
+        tuple(unused),
+        (*loads, *lines),
+        _stores(kernel, body),
+    )
+
+
+def _place(kernel: Kernel, field: str) -> int:
+    """Where a member stands in its part's structure."""
+    assert kernel.geometry is not None
+    names = [entry.name for entry in (*kernel.geometry.fields, *kernel.geometry.prepare.outputs)]
+    return names.index(field)
+
+
+def _stores(kernel: Kernel, body: Body) -> tuple[tuple[str, str], ...]:
+    return tuple(
         (_element(port, index, output=True), text)
         for port in kernel.outputs
         for index, text in enumerate(body.results[port.name])
     )
-    lines = tuple(_statement(line, str) for line in body.lines)
-    return KernelView(
-        f"krhpr_{part}_{kernel.name}", kernel_comment(kernel), tuple(parameters), tuple(unused), lines, stores
-    )
 
 
-def _statement(line: Line | Pair, rewrite: Callable[[str], str]) -> tuple[str, str]:
+def _statement(
+    line: Line | Pair, rewrite: Callable[[str], str], writing: Writing = NUMBER
+) -> tuple[str, str]:
     """A statement and the remark behind it."""
     if isinstance(line, Pair):
-        names = f"double {line.sine}, {line.cosine};"
-        return f"{names} krhpr_sincos({rewrite(line.argument)}, &{line.sine}, &{line.cosine});", ""
-    return f"const double {line.name} = {rewrite(line.expression)};", line.note
+        names = f"{writing.real} {line.sine}, {line.cosine};"
+        arguments = f"{rewrite(line.argument)}, &{line.sine}, &{line.cosine}"
+        return f"{names} {writing.prefix}sincos({arguments});", ""
+    return f"const {writing.real} {line.name} = {rewrite(line.expression)};", line.note
 
 
 def _fields_of_g(kernel: Kernel, text: str) -> str:
@@ -72,10 +124,10 @@ def _fields_of_g(kernel: Kernel, text: str) -> str:
     return re.sub(rf"(?<![\w>.])({names})(?![\w\[])", r"g->\1[i]", text)
 
 
-def _parameter(port: Port, *, output: bool = False) -> str:
+def _parameter(port: Port, *, output: bool = False, real: str = NUMBER.real) -> str:
     if output:
-        return f"double *KRHPR_RESTRICT {port.name}"
-    return f"const double {port.name}[{port.size}]" if port.shape else f"double {port.name}"
+        return f"{real} *KRHPR_RESTRICT {port.name}"
+    return f"const {real} {port.name}[{port.size}]" if port.shape else f"{real} {port.name}"
 
 
 def _element(port: Port, index: int, *, output: bool = False) -> str:

@@ -1,0 +1,59 @@
+"""How formulas are written over the two kinds of numbers of the C text: one double, or lanes side by side."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Writing(ABC):
+    """The types, and the few functions that differ."""
+
+    real: str
+    ints: str
+    prefix: str
+    fabs: str
+    copysign: str
+
+    @abstractmethod
+    def all(self, constant: str) -> str:
+        """A constant by itself."""
+
+    @abstractmethod
+    def less(self, a: str, b: str) -> str:
+        """Whether a < b."""
+
+    @abstractmethod
+    def where(self, condition: str, then: str, otherwise: str) -> str:
+        """One of two values."""
+
+
+class Number(Writing):
+    """One double."""
+
+    def all(self, constant: str) -> str:
+        return constant
+
+    def less(self, a: str, b: str) -> str:
+        return f"{a} < {b}"
+
+    def where(self, condition: str, then: str, otherwise: str) -> str:
+        return f"({condition} ? {then} : {otherwise})"
+
+
+class Lanes(Writing):
+    """Lanes, of krhpr_lanes.h."""
+
+    def all(self, constant: str) -> str:
+        return f"krhpr_all({constant})"
+
+    def less(self, a: str, b: str) -> str:
+        return f"krhpr_less({a}, {b})"
+
+    def where(self, condition: str, then: str, otherwise: str) -> str:
+        return f"krhpr_where({condition}, {then}, {otherwise})"
+
+
+NUMBER = Number("double", "int", "krhpr_", "fabs", "copysign")
+LANES = Lanes("krhpr_lanes", "krhpr_ints", "krhpr_lanes_", "krhpr_lanes_fabs", "krhpr_lanes_copysign")
