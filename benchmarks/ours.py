@@ -24,12 +24,13 @@ from benchmarks.contender import OURS, Contender, Missing
 from benchmarks.forward import without_wrap
 from benchmarks.python_contender import Floats, Prepared, PythonContender
 from benchmarks.workloads import Workload
+from krhpr.backend import compile_robot
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage
 from krhpr.codegen.targets.c import CTarget
 from krhpr.derivations.catalogue import catalogue
-from krhpr.native import compile_library, function_address, load_library, make_gufunc
+from krhpr.native import function_address, load_library, make_gufunc
 
 ROBOT = dict.fromkeys(("w1", "w2", "w3", "w4"), "spatial_rrr_a") | {"w5": "spatial_r_fivebar_a"}
 CALL = {
@@ -187,7 +188,7 @@ def _gufunc(workload: Workload, robot: krhpr.Robot) -> np.ufunc:
     code = write_robot(workload, folder)
     function = code.functions[0]
     prefix = f"krhpr_{code.identifier}"
-    library = load_library(compile_library(prefix, [folder / f"{prefix}.c"], include_dirs=[folder]))
+    library = load_library(compile_robot(code.identifier, folder))
     size = getattr(library, f"{prefix}_geometry_size")
     size.restype = ctypes.c_size_t
     geometry = ctypes.create_string_buffer(size())

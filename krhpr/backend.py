@@ -151,10 +151,13 @@ def c_sources() -> Path:
     return Path(str(files("krhpr.generated"))) / "c"
 
 
-def compile_robot(identifier: str) -> Path:
-    """The compiled library of a robot; compiles it unless that was done before."""
-    folder = c_sources()
-    return compile_library(f"krhpr_{identifier}", [folder / f"krhpr_{identifier}.c"], include_dirs=[folder])
+def compile_robot(identifier: str, folder: Path | None = None) -> Path:
+    """The compiled library of a robot, of its sources in a folder (the generated ones unless given); compiles
+    it unless that was done before.
+    """
+    folder = folder or c_sources()
+    sources = [folder / f"krhpr_{identifier}{kind}.c" for kind in ("", "_batch")]
+    return compile_library(f"krhpr_{identifier}", sources, include_dirs=[folder])
 
 
 def compile_extension() -> Path:

@@ -118,24 +118,6 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_end_points_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_end_points(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant)
@@ -167,24 +149,6 @@ KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates(
         krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_redundant_coordinates(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_subleg_forward(
@@ -224,23 +188,6 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_subleg_forward(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all(
     const krhpr_planar_fivebar_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
@@ -271,22 +218,6 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse(
@@ -328,22 +259,6 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian(
     const krhpr_planar_fivebar_a_geometry *g, const double s[6], const double theta[6],
     double *KRHPR_RESTRICT M)
@@ -383,23 +298,6 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_constraints(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT residual)
@@ -425,24 +323,6 @@ KRHPR_API int krhpr_planar_fivebar_a_constraints(
         krhpr_legs_store(residual, 1, residual_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_constraints_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_constraints(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_jacobians(
@@ -501,24 +381,6 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_jacobians_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_jacobians(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -570,24 +432,6 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_jacobian_blocks(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_inverse(
@@ -643,24 +487,6 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_inverse_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_inverse(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_inverse_all(
@@ -720,24 +546,6 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_inverse_all_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_inverse_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_inverse_status(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT excess)
@@ -779,24 +587,6 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_inverse_status_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_inverse_status(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_twist(
@@ -869,24 +659,6 @@ KRHPR_API int krhpr_planar_fivebar_a_twist(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_twist_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_twist(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_joint_rates(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
@@ -940,24 +712,6 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_joint_rates_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_joint_rates(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
@@ -1044,25 +798,6 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_platform_acceleration(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3], const double theta_dot[6],
@@ -1138,25 +873,6 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_joint_accelerations(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist,
@@ -1217,25 +933,6 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_passive_joints_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_passive_joints(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_link_points(
     const krhpr_planar_fivebar_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -1276,24 +973,6 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points(
         krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_link_points_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_link_points(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_singularity(
@@ -1354,25 +1033,6 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_singularity_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_singularity(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant(
     const krhpr_planar_fivebar_a_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1404,23 +1064,6 @@ KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant(
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_all(
@@ -1518,25 +1161,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_all(
         *doubtful = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_forward_all_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_all(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
-            out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward(
@@ -1666,25 +1290,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_forward_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL,
-            in[2] ? in[2] + k * in_step[2] : NULL, out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_forward_newton(
     const krhpr_planar_fivebar_a_geometry *g, const double s[6], const double p_near[2], double phi_near,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant,
@@ -1763,25 +1368,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_forward_newton_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_newton(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1(
     const krhpr_planar_fivebar_a_geometry *g, const double s[6], const double measured[1], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT mismatch)
@@ -1835,24 +1421,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1(
         krhpr_fill_nan(mismatch, 2);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_encoders_1(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2(
@@ -1920,25 +1488,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3(
     const krhpr_planar_fivebar_a_geometry *g, const double s[6], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
@@ -2002,25 +1551,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2(
@@ -2109,25 +1639,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3(
     const krhpr_planar_fivebar_a_geometry *g, const double s[6], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
@@ -2213,25 +1724,6 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_a_passive_joints_of_theta(
     const krhpr_planar_fivebar_a_geometry *g, const double theta[6], const double assembly[3],
     const double box[6], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist,
@@ -2250,26 +1742,6 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints_of_theta(
     here = krhpr_planar_fivebar_a_passive_joints(g, p, *phi, s, theta, passive, wrist, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_passive_joints_of_theta_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL,
-            in[2] ? in[2] + k * in_step[2] : NULL, out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
-            out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[2] = {1, 1};
@@ -2306,22 +1778,4 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_a_inverse_near_batch(
-    const krhpr_planar_fivebar_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_a_inverse_near(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

@@ -102,24 +102,6 @@ KRHPR_API int krhpr_planar_fivebar_c_end_points(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_end_points_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_end_points(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_redundant_coordinates(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant)
@@ -145,24 +127,6 @@ KRHPR_API int krhpr_planar_fivebar_c_redundant_coordinates(
         krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_redundant_coordinates_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_redundant_coordinates(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_subleg_forward(
@@ -202,23 +166,6 @@ KRHPR_API int krhpr_planar_fivebar_c_subleg_forward(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_subleg_forward_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_subleg_forward(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_subleg_forward_all(
     const krhpr_planar_fivebar_c_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
@@ -249,22 +196,6 @@ KRHPR_API int krhpr_planar_fivebar_c_subleg_forward_all(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_subleg_forward_all_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_subleg_inverse(
@@ -306,22 +237,6 @@ KRHPR_API int krhpr_planar_fivebar_c_subleg_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_subleg_inverse_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_subleg_jacobian(
     const krhpr_planar_fivebar_c_geometry *g, const double s[6], const double theta[6],
     double *KRHPR_RESTRICT M)
@@ -361,23 +276,6 @@ KRHPR_API int krhpr_planar_fivebar_c_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_subleg_jacobian_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_constraints(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT residual)
@@ -403,24 +301,6 @@ KRHPR_API int krhpr_planar_fivebar_c_constraints(
         krhpr_legs_store(residual, 1, residual_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_constraints_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_constraints(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_jacobians(
@@ -479,24 +359,6 @@ KRHPR_API int krhpr_planar_fivebar_c_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_jacobians_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_jacobians(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_jacobian_blocks(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -550,24 +412,6 @@ KRHPR_API int krhpr_planar_fivebar_c_jacobian_blocks(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_jacobian_blocks_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_jacobian_blocks(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_inverse(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT theta)
@@ -615,24 +459,6 @@ KRHPR_API int krhpr_planar_fivebar_c_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_inverse_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_inverse(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_inverse_all(
@@ -686,24 +512,6 @@ KRHPR_API int krhpr_planar_fivebar_c_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_inverse_all_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_inverse_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_inverse_status(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT excess)
@@ -739,24 +547,6 @@ KRHPR_API int krhpr_planar_fivebar_c_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_inverse_status_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_inverse_status(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_twist(
@@ -829,24 +619,6 @@ KRHPR_API int krhpr_planar_fivebar_c_twist(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_twist_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_twist(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_joint_rates(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
@@ -900,24 +672,6 @@ KRHPR_API int krhpr_planar_fivebar_c_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_joint_rates_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_joint_rates(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_platform_acceleration(
@@ -1004,25 +758,6 @@ KRHPR_API int krhpr_planar_fivebar_c_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_platform_acceleration_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_platform_acceleration(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_joint_accelerations(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3], const double theta_dot[6],
@@ -1098,25 +833,6 @@ KRHPR_API int krhpr_planar_fivebar_c_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_joint_accelerations_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_joint_accelerations(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_passive_joints(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist,
@@ -1176,25 +892,6 @@ KRHPR_API int krhpr_planar_fivebar_c_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_passive_joints_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_passive_joints(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_link_points(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -1233,24 +930,6 @@ KRHPR_API int krhpr_planar_fivebar_c_link_points(
         krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_link_points_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_link_points(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_singularity(
@@ -1311,25 +990,6 @@ KRHPR_API int krhpr_planar_fivebar_c_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_singularity_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_singularity(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_type_2_of_redundant(
     const krhpr_planar_fivebar_c_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1356,23 +1016,6 @@ KRHPR_API int krhpr_planar_fivebar_c_type_2_of_redundant(
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_type_2_of_redundant_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_forward_all(
@@ -1420,24 +1063,6 @@ KRHPR_API int krhpr_planar_fivebar_c_forward_all(
         *count = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_forward_all_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_forward_all(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_forward(
@@ -1512,25 +1137,6 @@ KRHPR_API int krhpr_planar_fivebar_c_forward(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_forward_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_forward(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_forward_encoders_2(
     const krhpr_planar_fivebar_c_geometry *g, const double s[6], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
@@ -1582,25 +1188,6 @@ KRHPR_API int krhpr_planar_fivebar_c_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_forward_encoders_2_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_forward_encoders_3(
     const krhpr_planar_fivebar_c_geometry *g, const double s[6], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
@@ -1650,25 +1237,6 @@ KRHPR_API int krhpr_planar_fivebar_c_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_forward_encoders_3_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_fivebar_c_forward_gauss_newton_2(
@@ -1742,25 +1310,6 @@ KRHPR_API int krhpr_planar_fivebar_c_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_forward_gauss_newton_2_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_forward_gauss_newton_3(
     const krhpr_planar_fivebar_c_geometry *g, const double s[6], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
@@ -1832,25 +1381,6 @@ KRHPR_API int krhpr_planar_fivebar_c_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_planar_fivebar_c_forward_gauss_newton_3_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_fivebar_c_passive_joints_of_theta(
     const krhpr_planar_fivebar_c_geometry *g, const double theta[6], const double assembly[3], double side,
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint,
@@ -1868,25 +1398,6 @@ KRHPR_API int krhpr_planar_fivebar_c_passive_joints_of_theta(
     here = krhpr_planar_fivebar_c_passive_joints(g, p, *phi, s, theta, passive, wrist, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_passive_joints_of_theta_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3], out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[2] = {1, 1};
@@ -1923,22 +1434,4 @@ KRHPR_API int krhpr_planar_fivebar_c_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_fivebar_c_inverse_near_batch(
-    const krhpr_planar_fivebar_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_fivebar_c_inverse_near(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

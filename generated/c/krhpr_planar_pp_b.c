@@ -97,23 +97,6 @@ KRHPR_API int krhpr_planar_pp_b_end_points(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_end_points_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_end_points(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_redundant_coordinates(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant)
@@ -141,23 +124,6 @@ KRHPR_API int krhpr_planar_pp_b_redundant_coordinates(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_redundant_coordinates_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_redundant_coordinates(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_subleg_forward(
     const krhpr_planar_pp_b_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
@@ -173,21 +139,6 @@ KRHPR_API int krhpr_planar_pp_b_subleg_forward(
         krhpr_legs_store(s, 2, s_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_subleg_forward_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_subleg_inverse(
@@ -216,21 +167,6 @@ KRHPR_API int krhpr_planar_pp_b_subleg_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_subleg_inverse_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_subleg_jacobian(
     const krhpr_planar_pp_b_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M)
 {
@@ -249,22 +185,6 @@ KRHPR_API int krhpr_planar_pp_b_subleg_jacobian(
         krhpr_legs_store(M, 4, M_legs, 4, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_subleg_jacobian_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_constraints(
@@ -292,23 +212,6 @@ KRHPR_API int krhpr_planar_pp_b_constraints(
         krhpr_legs_store(residual, 1, residual_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_constraints_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_constraints(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_jacobians(
@@ -349,23 +252,6 @@ KRHPR_API int krhpr_planar_pp_b_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_jacobians_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_jacobians(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_jacobian_blocks(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -399,23 +285,6 @@ KRHPR_API int krhpr_planar_pp_b_jacobian_blocks(
         krhpr_legs_store(K, 2, K_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_jacobian_blocks_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_jacobian_blocks(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_inverse(
@@ -456,23 +325,6 @@ KRHPR_API int krhpr_planar_pp_b_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_inverse_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_inverse(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_inverse_all(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT theta)
@@ -511,23 +363,6 @@ KRHPR_API int krhpr_planar_pp_b_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_inverse_all_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_inverse_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_inverse_status(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT excess)
@@ -560,23 +395,6 @@ KRHPR_API int krhpr_planar_pp_b_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_inverse_status_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_inverse_status(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_twist(
@@ -632,23 +450,6 @@ KRHPR_API int krhpr_planar_pp_b_twist(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_twist_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_twist(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_joint_rates(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
@@ -693,23 +494,6 @@ KRHPR_API int krhpr_planar_pp_b_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_joint_rates_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_joint_rates(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_platform_acceleration(
@@ -777,24 +561,6 @@ KRHPR_API int krhpr_planar_pp_b_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_platform_acceleration_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_platform_acceleration(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_joint_accelerations(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3], const double theta_dot[6],
@@ -853,24 +619,6 @@ KRHPR_API int krhpr_planar_pp_b_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_joint_accelerations_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_joint_accelerations(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_passive_joints(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint)
@@ -914,23 +662,6 @@ KRHPR_API int krhpr_planar_pp_b_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_passive_joints_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_passive_joints(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_link_points(
     const krhpr_planar_pp_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -962,23 +693,6 @@ KRHPR_API int krhpr_planar_pp_b_link_points(
         krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_link_points_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_link_points(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_singularity(
@@ -1030,24 +744,6 @@ KRHPR_API int krhpr_planar_pp_b_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_singularity_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_singularity(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_type_2_of_redundant(
     const krhpr_planar_pp_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1074,22 +770,6 @@ KRHPR_API int krhpr_planar_pp_b_type_2_of_redundant(
     }
     krhpr_platform_planar_b_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_type_2_of_redundant_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_forward_all(
@@ -1143,23 +823,6 @@ KRHPR_API int krhpr_planar_pp_b_forward_all(
         *count = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_forward_all_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_forward_all(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_forward(
@@ -1223,24 +886,6 @@ KRHPR_API int krhpr_planar_pp_b_forward(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_forward_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_forward(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_forward_encoders_2(
     const krhpr_planar_pp_b_geometry *g, const double s[6], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
@@ -1298,24 +943,6 @@ KRHPR_API int krhpr_planar_pp_b_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_forward_encoders_2_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_forward_encoders_3(
     const krhpr_planar_pp_b_geometry *g, const double s[6], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
@@ -1371,24 +998,6 @@ KRHPR_API int krhpr_planar_pp_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_forward_encoders_3_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_2(
@@ -1469,24 +1078,6 @@ KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_2_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_3(
     const krhpr_planar_pp_b_geometry *g, const double s[6], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
@@ -1564,24 +1155,6 @@ KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_planar_pp_b_forward_gauss_newton_3_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_planar_pp_b_passive_joints_of_theta(
     const krhpr_planar_pp_b_geometry *g, const double theta[6], double side, double *KRHPR_RESTRICT wrist,
     double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
@@ -1599,24 +1172,6 @@ KRHPR_API int krhpr_planar_pp_b_passive_joints_of_theta(
     here = krhpr_planar_pp_b_passive_joints(g, p, *phi, s, theta, wrist, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_passive_joints_of_theta_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[2] = {0, 0};
@@ -1653,21 +1208,4 @@ KRHPR_API int krhpr_planar_pp_b_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_planar_pp_b_inverse_near_batch(
-    const krhpr_planar_pp_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_planar_pp_b_inverse_near(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

@@ -128,22 +128,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_rotation_error(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_rotation_error_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_end_points(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s)
@@ -170,24 +154,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_end_points(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_end_points_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_end_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant)
@@ -212,24 +178,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates(
         krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_redundant_coordinates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward(
@@ -266,23 +214,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_subleg_forward(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all(
@@ -350,24 +281,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_subleg_forward_all(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse(
     const krhpr_spatial_cpr3_a_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
@@ -392,22 +305,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian(
@@ -442,23 +339,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_constraints(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
@@ -477,24 +357,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_constraints(
         krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_constraints_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_constraints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_jacobians(
@@ -541,24 +403,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_jacobians_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_jacobians(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -598,24 +442,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_jacobian_blocks(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_inverse(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta)
@@ -651,24 +477,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_inverse_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_inverse(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_inverse_all(
@@ -708,24 +516,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_inverse_all_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_inverse_all(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_inverse_status(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT excess)
@@ -757,24 +547,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_inverse_status_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_inverse_status(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_twist(
@@ -837,24 +609,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_twist(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_twist_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_twist(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_joint_rates(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
@@ -895,24 +649,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_joint_rates_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_joint_rates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration(
@@ -988,25 +724,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_platform_acceleration(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
@@ -1069,25 +786,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_joint_accelerations(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_passive_joints(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
@@ -1130,25 +828,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_passive_joints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_link_points(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -1176,24 +855,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_link_points(
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_link_points_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_link_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_singularity(
@@ -1240,25 +901,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_singularity_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_singularity(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant(
     const krhpr_spatial_cpr3_a_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1290,23 +932,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant(
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_forward_all(
@@ -1412,25 +1037,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all(
         *doubtful = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_forward_all_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_forward(
@@ -1563,25 +1169,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_forward_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
-            *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_forward_newton(
     const krhpr_spatial_cpr3_a_geometry *g, const double s[9], const double p_near[3],
     const double Q_near[9], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
@@ -1657,25 +1244,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_newton(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_forward_newton_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_newton(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1(
     const krhpr_spatial_cpr3_a_geometry *g, const double s[9], const double measured[1], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch)
@@ -1727,24 +1295,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1(
         krhpr_fill_nan(mismatch, 2);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_encoders_1(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2(
@@ -1813,25 +1363,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3(
     const krhpr_spatial_cpr3_a_geometry *g, const double s[9], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1896,25 +1427,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2(
@@ -2004,25 +1516,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3(
     const krhpr_spatial_cpr3_a_geometry *g, const double s[9], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -2109,25 +1602,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta(
     const krhpr_spatial_cpr3_a_geometry *g, const double theta[9], const double s_near[9],
     const double box[6], double turned, double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
@@ -2146,26 +1620,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta(
     here = krhpr_spatial_cpr3_a_passive_joints(g, p, Q, s, theta, passive, spherical, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
-            *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
-            out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[3] = {0, 0, 0};
@@ -2202,22 +1656,4 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_a_inverse_near_batch(
-    const krhpr_spatial_cpr3_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_a_inverse_near(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

@@ -127,22 +127,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_rotation_error(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_rotation_error_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_end_points(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s)
@@ -163,24 +147,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_end_points(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_end_points_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_end_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_redundant_coordinates(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant)
@@ -199,24 +165,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_redundant_coordinates(
         krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_redundant_coordinates_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_redundant_coordinates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward(
@@ -253,23 +201,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_subleg_forward(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_all(
@@ -337,24 +268,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_subleg_forward_all_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_subleg_forward_all(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_subleg_inverse(
     const krhpr_spatial_cpr3_b_geometry *g, const double s[9], double *KRHPR_RESTRICT theta)
 {
@@ -379,22 +292,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_subleg_inverse_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_subleg_jacobian(
@@ -429,23 +326,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_subleg_jacobian_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_constraints(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
@@ -464,24 +344,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_constraints(
         krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_constraints_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_constraints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_jacobians(
@@ -528,24 +390,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_jacobians_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_jacobians(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_jacobian_blocks(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -585,24 +429,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_jacobian_blocks(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_jacobian_blocks_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_jacobian_blocks(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_inverse(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta)
@@ -632,24 +458,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_inverse_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_inverse(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_inverse_all(
@@ -683,24 +491,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_inverse_all_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_inverse_all(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_inverse_status(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT excess)
@@ -726,24 +516,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_inverse_status_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_inverse_status(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_twist(
@@ -806,24 +578,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_twist(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_twist_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_twist(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_joint_rates(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
@@ -864,24 +618,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_joint_rates_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_joint_rates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_platform_acceleration(
@@ -957,25 +693,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_platform_acceleration_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_platform_acceleration(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_joint_accelerations(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
@@ -1038,25 +755,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_joint_accelerations_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_joint_accelerations(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_passive_joints(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
@@ -1094,25 +792,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_passive_joints_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_passive_joints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_link_points(
     const krhpr_spatial_cpr3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -1139,24 +818,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_link_points(
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_link_points_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_link_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_singularity(
@@ -1203,25 +864,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_singularity_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_singularity(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_type_2_of_redundant(
     const krhpr_spatial_cpr3_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1248,23 +890,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_type_2_of_redundant(
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_type_2_of_redundant_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_forward_all(
@@ -1320,25 +945,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_all(
         *count = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_forward_all_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_forward_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_forward(
@@ -1412,25 +1018,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_forward_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_forward(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_2(
     const krhpr_spatial_cpr3_b_geometry *g, const double s[9], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1489,25 +1076,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_2_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_3(
     const krhpr_spatial_cpr3_b_geometry *g, const double s[9], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1564,25 +1132,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_forward_encoders_3_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_2(
@@ -1664,25 +1213,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_2_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_3(
     const krhpr_spatial_cpr3_b_geometry *g, const double s[9], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1761,25 +1291,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_cpr3_b_forward_gauss_newton_3_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_cpr3_b_passive_joints_of_theta(
     const krhpr_spatial_cpr3_b_geometry *g, const double theta[9], const double s_near[9], double side,
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint,
@@ -1797,25 +1308,6 @@ KRHPR_API int krhpr_spatial_cpr3_b_passive_joints_of_theta(
     here = krhpr_spatial_cpr3_b_passive_joints(g, p, Q, s, theta, passive, spherical, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_passive_joints_of_theta_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3], out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[3] = {0, 0, 0};
@@ -1852,22 +1344,4 @@ KRHPR_API int krhpr_spatial_cpr3_b_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_cpr3_b_inverse_near_batch(
-    const krhpr_spatial_cpr3_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_cpr3_b_inverse_near(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

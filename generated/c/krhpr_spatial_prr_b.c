@@ -90,21 +90,6 @@ KRHPR_API int krhpr_spatial_prr_b_rotation_error(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_rotation_error_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_end_points(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s)
@@ -123,23 +108,6 @@ KRHPR_API int krhpr_spatial_prr_b_end_points(
         krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_end_points_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_end_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates(
@@ -162,23 +130,6 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_redundant_coordinates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_subleg_forward(
     const krhpr_spatial_prr_b_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
@@ -199,21 +150,6 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_forward(
         krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_subleg_forward_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_subleg_inverse(
@@ -242,21 +178,6 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_subleg_inverse_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian(
     const krhpr_spatial_prr_b_geometry *g, const double s[9], const double theta[9], double *KRHPR_RESTRICT M)
 {
@@ -283,22 +204,6 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_constraints(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
@@ -317,23 +222,6 @@ KRHPR_API int krhpr_spatial_prr_b_constraints(
         krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_constraints_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_constraints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_jacobians(
@@ -374,23 +262,6 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_jacobians_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_jacobians(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -423,23 +294,6 @@ KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks(
         krhpr_legs_store(K, 6, K_legs, 6, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_jacobian_blocks(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_inverse(
@@ -477,23 +331,6 @@ KRHPR_API int krhpr_spatial_prr_b_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_inverse_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_inverse(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_inverse_all(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta)
@@ -525,23 +362,6 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_inverse_all_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_inverse_all(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_inverse_status(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT excess)
@@ -570,23 +390,6 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_inverse_status_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_inverse_status(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_twist(
@@ -644,23 +447,6 @@ KRHPR_API int krhpr_spatial_prr_b_twist(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_twist_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_twist(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_joint_rates(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
@@ -705,23 +491,6 @@ KRHPR_API int krhpr_spatial_prr_b_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_joint_rates_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_joint_rates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_platform_acceleration(
@@ -791,24 +560,6 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_platform_acceleration_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_platform_acceleration(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_joint_accelerations(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
@@ -867,24 +618,6 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_joint_accelerations_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_joint_accelerations(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_passive_joints(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
@@ -922,23 +655,6 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_passive_joints_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_passive_joints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_link_points(
     const krhpr_spatial_prr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -969,23 +685,6 @@ KRHPR_API int krhpr_spatial_prr_b_link_points(
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_link_points_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_link_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_singularity(
@@ -1036,24 +735,6 @@ KRHPR_API int krhpr_spatial_prr_b_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_singularity_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_singularity(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant(
     const krhpr_spatial_prr_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1080,22 +761,6 @@ KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant(
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_all(
@@ -1151,24 +816,6 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all(
         *count = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_forward_all_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_forward_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward(
@@ -1236,24 +883,6 @@ KRHPR_API int krhpr_spatial_prr_b_forward(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_forward_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_forward(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2(
     const krhpr_spatial_prr_b_geometry *g, const double s[9], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1312,24 +941,6 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3(
     const krhpr_spatial_prr_b_geometry *g, const double s[9], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1386,24 +997,6 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2(
@@ -1485,24 +1078,6 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3(
     const krhpr_spatial_prr_b_geometry *g, const double s[9], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1581,24 +1156,6 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_prr_b_passive_joints_of_theta(
     const krhpr_spatial_prr_b_geometry *g, const double theta[9], double side,
     double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p,
@@ -1616,24 +1173,6 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints_of_theta(
     here = krhpr_spatial_prr_b_passive_joints(g, p, Q, s, theta, spherical, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_passive_joints_of_theta_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[3] = {0, 1, 1};
@@ -1670,21 +1209,4 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_prr_b_inverse_near_batch(
-    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_prr_b_inverse_near(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

@@ -11,7 +11,7 @@
 #include "krhpr_subleg_rrrr_lanes.h"
 
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
-static const double swivel_default[3] = {0.0};
+static const double swivel_default[3] = {0.0, 0.0, 0.0};
 
 KRHPR_API int krhpr_spatial_rrrr_b_prepare(krhpr_spatial_rrrr_b_geometry *g)
 {
@@ -91,22 +91,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_rotation_error(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_rotation_error_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_end_points(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT s)
@@ -125,24 +109,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_end_points(
         krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_end_points_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_end_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates(
@@ -165,24 +131,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_redundant_coordinates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward(
     const krhpr_spatial_rrrr_b_geometry *g, const double theta[12], double *KRHPR_RESTRICT s)
 {
@@ -203,22 +151,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward(
         krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse(
@@ -278,23 +210,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_subleg_inverse(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_swivel(
     const krhpr_spatial_rrrr_b_geometry *g, const double s[9], const double theta[12],
     double *KRHPR_RESTRICT swivel)
@@ -331,23 +246,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_swivel(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_swivel_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_swivel(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian(
     const krhpr_spatial_rrrr_b_geometry *g, const double s[9], const double theta[12],
     double *KRHPR_RESTRICT M)
@@ -379,23 +277,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_constraints(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
@@ -414,24 +295,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_constraints(
         krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_constraints_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_constraints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_jacobians(
@@ -477,24 +340,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_jacobians_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_jacobians(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[12], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -532,24 +377,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks(
         krhpr_legs_store(K, 8, K_legs, 8, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_jacobian_blocks(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_inverse(
@@ -605,25 +432,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_inverse_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_inverse(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_inverse_all(
@@ -687,24 +495,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_inverse_all(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_inverse_status(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     const double mode[6], const double swivel[3], double *KRHPR_RESTRICT excess)
@@ -737,25 +527,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_inverse_status_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_inverse_status(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_twist(
@@ -818,24 +589,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_twist(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_twist_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_twist(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_joint_rates(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[12], const double twist[6], const double redundant_rates[3],
@@ -886,25 +639,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_rates(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_joint_rates_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_joint_rates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration(
@@ -981,25 +715,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_platform_acceleration(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[12], const double twist[6], const double redundant_rates[3],
@@ -1070,25 +785,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_joint_accelerations(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], in[9] + k * in_step[9], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_passive_joints(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[12], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint)
@@ -1130,24 +826,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_passive_joints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_link_points(
     const krhpr_spatial_rrrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[12], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -1182,24 +860,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_link_points(
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_link_points_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_link_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_singularity(
@@ -1255,25 +915,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_singularity_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_singularity(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant(
     const krhpr_spatial_rrrr_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1300,23 +941,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant(
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_all(
@@ -1372,25 +996,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_all(
         *count = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_forward_all_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_forward_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward(
@@ -1458,25 +1063,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_forward_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_forward(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2(
     const krhpr_spatial_rrrr_b_geometry *g, const double s[9], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1535,25 +1121,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3(
     const krhpr_spatial_rrrr_b_geometry *g, const double s[9], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1610,25 +1177,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2(
@@ -1710,25 +1258,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3(
     const krhpr_spatial_rrrr_b_geometry *g, const double s[9], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1807,25 +1336,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_of_theta(
     const krhpr_spatial_rrrr_b_geometry *g, const double theta[12], double side,
     double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p,
@@ -1843,25 +1353,6 @@ KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_of_theta(
     here = krhpr_spatial_rrrr_b_passive_joints(g, p, Q, s, theta, spherical, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_of_theta_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[4] = {1, 1, 1, 1};
@@ -1901,22 +1392,4 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_rrrr_b_inverse_near_batch(
-    const krhpr_spatial_rrrr_b_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_rrrr_b_inverse_near(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] ? in[4] + k * in_step[4] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

@@ -92,22 +92,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_rotation_error(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_rotation_error_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_end_points(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT s)
@@ -132,24 +116,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_end_points(
         krhpr_legs_store(s, 3, s_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_end_points_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_end_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_redundant_coordinates(
@@ -178,24 +144,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_redundant_coordinates(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_redundant_coordinates_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_redundant_coordinates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_subleg_forward(
     const krhpr_spatial_tripteron_a_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
@@ -220,22 +168,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_forward(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_subleg_forward_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_subleg_inverse(
@@ -264,22 +196,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_subleg_inverse_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_subleg_jacobian(
     const krhpr_spatial_tripteron_a_geometry *g, const double s[9], const double theta[9],
     double *KRHPR_RESTRICT M)
@@ -301,23 +217,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_subleg_jacobian(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_subleg_jacobian_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_subleg_jacobian(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_constraints(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual)
@@ -336,24 +235,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_constraints(
         krhpr_legs_store(residual, 2, residual_legs, 2, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_constraints_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_constraints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_jacobians(
@@ -388,24 +269,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_jacobians(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_jacobians_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_jacobians(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_jacobian_blocks(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
@@ -432,24 +295,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_jacobian_blocks(
         krhpr_legs_store(K, 6, K_legs, 6, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_jacobian_blocks_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_jacobian_blocks(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_inverse(
@@ -489,24 +334,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_inverse_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_inverse(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_inverse_all(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT theta)
@@ -544,24 +371,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse_all(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_inverse_all_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_inverse_all(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_inverse_status(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT excess)
@@ -593,24 +402,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse_status(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_inverse_status_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_inverse_status(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_twist(
@@ -662,24 +453,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_twist(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_twist_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_twist(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_joint_rates(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
@@ -708,24 +481,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_joint_rates(
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_joint_rates_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_joint_rates(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_platform_acceleration(
@@ -789,25 +544,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_platform_acceleration(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_platform_acceleration_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_platform_acceleration(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_joint_accelerations(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3], const double theta_dot[9],
@@ -848,25 +584,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_joint_accelerations(
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_joint_accelerations_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_joint_accelerations(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
-            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_passive_joints(
@@ -936,25 +653,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_passive_joints(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_passive_joints_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_passive_joints(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_link_points(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
@@ -1001,24 +699,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_link_points(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_link_points_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_link_points(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_singularity(
     const krhpr_spatial_tripteron_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
@@ -1061,25 +741,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_singularity(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_singularity_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_singularity(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_type_2_of_redundant(
     const krhpr_spatial_tripteron_a_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -1111,23 +772,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_type_2_of_redundant(
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_type_2_of_redundant_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_type_2_of_redundant(
-            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_forward_all(
@@ -1233,25 +877,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_all(
         *doubtful = 0.0;
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_forward_all_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_all(
-            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
-            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_forward(
@@ -1379,25 +1004,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_forward_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_forward_newton(
     const krhpr_spatial_tripteron_a_geometry *g, const double s[9], const double p_near[3],
     const double Q_near[9], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
@@ -1473,25 +1079,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_newton(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_forward_newton_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_newton(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_1(
     const krhpr_spatial_tripteron_a_geometry *g, const double s[9], const double measured[1],
     double tolerance, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch)
@@ -1543,24 +1130,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_1(
         krhpr_fill_nan(mismatch, 2);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_1_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_encoders_1(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_2(
@@ -1629,25 +1198,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_2_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_encoders_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_3(
     const krhpr_spatial_tripteron_a_geometry *g, const double s[9], const double measured[3],
     double tolerance, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
@@ -1712,25 +1262,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_forward_encoders_3_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_encoders_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_2(
@@ -1820,25 +1351,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_2(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_2_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_gauss_newton_2(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_3(
     const krhpr_spatial_tripteron_a_geometry *g, const double s[9], const double measured[3],
     double tolerance, const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
@@ -1925,25 +1437,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_3(
     return status;
 }
 
-KRHPR_API int krhpr_spatial_tripteron_a_forward_gauss_newton_3_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_forward_gauss_newton_3(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
-            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
-            out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
-}
-
 KRHPR_API int krhpr_spatial_tripteron_a_passive_joints_of_theta(
     const krhpr_spatial_tripteron_a_geometry *g, const double theta[9], const double box[6], double turned,
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint,
@@ -1961,25 +1454,6 @@ KRHPR_API int krhpr_spatial_tripteron_a_passive_joints_of_theta(
     here = krhpr_spatial_tripteron_a_passive_joints(g, p, Q, s, theta, passive, spherical, platform_joint);
     status = status == KRHPR_OK ? here : status;
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_passive_joints_of_theta_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_passive_joints_of_theta(
-            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
-            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
-            out[3] + k * out_step[3], out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }
 
 static const int joint_is_angle[3] = {0, 0, 0};
@@ -2016,22 +1490,4 @@ KRHPR_API int krhpr_spatial_tripteron_a_inverse_near(
         }
     }
     return status;
-}
-
-KRHPR_API int krhpr_spatial_tripteron_a_inverse_near_batch(
-    const krhpr_spatial_tripteron_a_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step)
-{
-    int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
-        const int here = krhpr_spatial_tripteron_a_inverse_near(
-            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
-            in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
-    }
-    return first;
 }

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -129,11 +130,31 @@ def compile_library(
         command += [f"-I{path}" for path in folders]
         for path in system_include_dirs:
             command += ["-isystem", str(path)]
-        command += [*map(str, files), "-o", str(built), "-lm"]
-        succeeded, output = _run(command)
-        if not succeeded or not built.exists():
-            raise CompilationError(command, output)
+        _build([*command, *map(str, _objects(command, files, folder)), "-o", str(built), "-lm"], built)
         return cache.store(built, name, key)
+
+
+def _objects(command: Sequence[str], sources: Sequence[Path], folder: Path) -> Sequence[Path]:
+    """Several sources as objects, compiled side by side; one source as it is."""
+    if len(sources) == 1:
+        return sources
+    objects = [folder / f"{number}.o" for number in range(len(sources))]
+    compile_only = [word for word in command if word != "-shared"]
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        jobs = [
+            pool.submit(_build, [*compile_only, "-c", str(source), "-o", str(target)], target)
+            for source, target in zip(sources, objects, strict=True)
+        ]
+    for job in jobs:
+        job.result()
+    return objects
+
+
+def _build(command: Sequence[str], target: Path) -> None:
+    """Run the compiler, which is to make a file."""
+    succeeded, output = _run(command)
+    if not succeeded or not target.exists():
+        raise CompilationError(command, output)
 
 
 @functools.lru_cache

@@ -107,7 +107,6 @@ def printed_text(subject: Subject, check: Check, count: int) -> Measured:
     """A function of a printed text against the derivation."""
     function = subject.code.function(check.function)
     balls = needs_balls(subject.code, function)
-    run = PRINTED[check.target]
     found = Measured(check)
     with ball_precision():
         cases = (
@@ -118,10 +117,11 @@ def printed_text(subject: Subject, check: Check, count: int) -> Measured:
         for inputs, geometry in cases:
             numbers = BALL if balls else EXACT
             wanted = derivation(subject, function, inputs, geometry, BALLS if balls else RATIONAL)
-            got = run(subject, function, inputs, geometry, numbers)
             found.samples += 1
-            for port in function.outputs:
-                found.equal(got[port.name], wanted[port.name], port.name)
+            for run in PRINTED[check.target]:
+                got = run(subject, function, inputs, geometry, numbers)
+                for port in function.outputs if got is not None else ():
+                    found.equal(got[port.name], wanted[port.name], port.name)
     return found
 
 

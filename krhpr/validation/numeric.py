@@ -15,9 +15,10 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
+from krhpr.backend import compile_robot
 from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS
-from krhpr.native import compile_library, load_library
+from krhpr.native import load_library
 from krhpr.validation.check import Target
 from krhpr.validation.printed import casadi_function, unpack
 from krhpr.validation.subject import Subject
@@ -71,9 +72,7 @@ class CompiledC:
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
-        source = subject.source
-        name = f"krhpr_{subject.identifier}"  # the library that `krhpr.load` uses, and no other
-        self.library = load_library(compile_library(name, [source], include_dirs=[source.parent]))
+        self.library = load_library(compile_robot(subject.identifier, subject.source.parent))
         self.prefix = f"krhpr_{subject.identifier}_"
         size = getattr(self.library, self.prefix + "geometry_size")
         size.restype = ctypes.c_size_t

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 from functools import partial
@@ -26,12 +26,16 @@ import numpy as np
 from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, Kernel, Port
 from krhpr.codegen.phases import split
+from krhpr.codegen.targets.c_batch import goes_side_by_side
 from krhpr.validation import casadi_exact
 from krhpr.validation.c_interpreter import Array, CProgram
 from krhpr.validation.check import Target
 from krhpr.validation.numbers import Arithmetic, arctan2, cos, sin
 from krhpr.validation.numpy_exact import exact_numpy
 from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
+
+Run = Callable[[Subject, RobotFunction, Inputs, Fields, Arithmetic], Outputs | None]
+"""Runs a robot's function; None where it is not printed in this form."""
 
 
 class WrongStatus(AssertionError):
@@ -49,13 +53,16 @@ themselves.
 _programs: dict[tuple[Path, str, str], CProgram] = {}
 
 
-def c_program(subject: Subject, arithmetic: Arithmetic) -> CProgram:
-    """The robot's C source with its headers, parsed once for each kind of number."""
-    key = (subject.folder, subject.identifier, arithmetic.name)
+def c_program(subject: Subject, arithmetic: Arithmetic, kind: str = "") -> CProgram:
+    """The robot's C source (`_batch`: that of its batches) with its headers, parsed once for each kind of
+    number.
+    """
+    key = (subject.folder, subject.identifier + kind, arithmetic.name)
     if key not in _programs:
         # infinity is only ever compared with distances
         constants = {"INFINITY": 10**30}
-        _programs[key] = CProgram(subject.c_sources(), arithmetic, constants, ELEMENTARY)
+        macros = {**ELEMENTARY, "KRHPR_LANES_ARE_POSES": ""} if kind else ELEMENTARY
+        _programs[key] = CProgram(subject.c_sources(kind), arithmetic, constants, macros)
     return _programs[key]
 
 
@@ -82,6 +89,34 @@ def run_c(
     )
     _expect_ok(status, function)
     return {name: list(values) for name, values in results.items()}
+
+
+def run_c_poses(
+    subject: Subject, function: RobotFunction, inputs: Inputs, geometry: Fields, arithmetic: Arithmetic
+) -> Outputs | None:
+    """A function of the C text for poses side by side, of which the interpreter has one; None where poses go
+    one after the other.
+    """
+    if not goes_side_by_side(function):
+        return None
+    program = c_program(subject, arithmetic, "_batch")
+    results = {port.name: Array.unset(prod(port.full_shape), port.name) for port in function.outputs}
+    structure = program.new_struct(f"krhpr_{subject.identifier}_geometry")
+    prepared = c_geometry(subject, geometry, c_program(subject, arithmetic))
+    for member in ("subleg", "platform"):
+        for field in dir(getattr(prepared, member)):
+            setattr(getattr(structure, member), field, _numbers(getattr(getattr(prepared, member), field)))
+    status = Array.unset(1, "answer")
+    arguments = [inputs[port.name] for port in function.inputs]
+    symbol = f"krhpr_{subject.identifier}_{function.name}_lanes"
+    program.call(symbol, structure, *arguments, *results.values(), status)
+    _expect_ok(status[0], function)
+    return {name: list(values) for name, values in results.items()}
+
+
+def _numbers(values: Any) -> list[Any]:
+    """An array of numbers, or one of such arrays, as lists."""
+    return [_numbers(value) if isinstance(value, Array) else value for value in values]
 
 
 def _expect_ok(status: int, function: RobotFunction) -> None:
@@ -221,7 +256,9 @@ def c_kernel(
     if phases.angles is not None:
         angles = Array.unset(phases.angles.outputs[0].size, "angle")
         names = program.parameters(f"{symbol}_angles{suffix}")
-        program.call(f"{symbol}_angles{suffix}", *(angles if name == "angle" else values[name] for name in names))
+        program.call(
+            f"{symbol}_angles{suffix}", *(angles if name == "angle" else values[name] for name in names)
+        )
         values |= {"sine": [sin(angle) for angle in angles], "cosine": [cos(angle) for angle in angles]}
     results = {port.name: Array.unset(port.size, port.name) for port in phases.body.outputs}
     names = program.parameters(f"{symbol}{suffix}")
@@ -270,8 +307,12 @@ KERNELS = {
 }
 """How a kernel of each printed target is run by itself, in each form in which it is printed."""
 
-PRINTED = {Target.C: run_c, Target.NUMPY: run_numpy, Target.CASADI: run_casadi}
-"""How each printed target is run."""
+PRINTED: Mapping[Target, tuple[Run, ...]] = {
+    Target.C: (run_c, run_c_poses),
+    Target.NUMPY: (run_numpy,),
+    Target.CASADI: (run_casadi,),
+}
+"""How each printed target is run, in each form in which it is printed."""
 
 
 def forget(folder: Path) -> None:

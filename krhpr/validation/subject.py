@@ -148,9 +148,11 @@ class Subject:
         """The generated C source."""
         return self.folder / "c" / f"krhpr_{self.identifier}.c"
 
-    def c_sources(self) -> list[tuple[str, str]]:
-        """The C source and the headers that it includes, each before what uses it."""
-        return _with_headers(self.source, set())
+    def c_sources(self, kind: str = "") -> list[tuple[str, str]]:
+        """The C source (`_batch`: that of its batches) and the headers that it includes, each before what
+        uses it.
+        """
+        return _with_headers(self.source.with_stem(f"{self.source.stem}{kind}"), set())
 
 
 def subjects(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import COMPILERS, COVER, HERE, ROBOTS, SOURCES, program, run, table
+from tests.c.support import COMPILERS, COVER, HERE, KINDS, ROBOTS, SOURCES, program, run, table
 from tests.support import THOROUGH
 
 Build = Callable[..., Path]
@@ -43,7 +43,7 @@ def build(tmp_path: Path) -> Build:
     def build(harness: str, robot: str, compiler: str, *flags: str, folder: Path = SOURCES) -> Path:
         (tmp_path / "table.h").write_text(table(robot))
         binary = tmp_path / harness.removesuffix(".c")
-        sources = [HERE / harness, folder / f"krhpr_{robot}.c"]
+        sources = [HERE / harness, *(folder / f"krhpr_{robot}{kind}.c" for kind in KINDS)]
         warnings = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
         places = [f"-I{place}" for place in (tmp_path, HERE, folder)]
         run([compiler, *warnings, *flags, *places, *sources, "-o", binary, "-lm"])

@@ -20,6 +20,8 @@ HERE = Path(__file__).parent
 SOURCES = c_sources()
 ROBOTS: tuple[str, ...] = krhpr.generated.ROBOTS
 COMPILERS = ("gcc", "clang")
+KINDS = ("", "_batch")
+"""A robot's sources: functions of one pose, and batches."""
 
 
 COVER = cover(ROBOTS)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import ROBOTS, SOURCES, program, run
+from tests.c.support import KINDS, ROBOTS, SOURCES, program, run
 from tests.support import need
 
 ROBOT = "planar_rr_a"
@@ -46,7 +46,7 @@ def configure(folder: Path, *options: str) -> dict[str, list[str]]:
 
 def test_every_robot_is_a_target(tmp_path: Path) -> None:
     commands = configure(tmp_path, "-DKRHPR_CASADI=ON")
-    expected = {f"krhpr_{robot}{ending}.c" for robot in ROBOTS for ending in ("", "_casadi")}
+    expected = {f"krhpr_{robot}{ending}.c" for robot in ROBOTS for ending in (*KINDS, "_casadi")}
     assert set(commands) == expected | {"inverse.c"}
     for name, words in commands.items():
         assert "-std=c99" in words and "-O3" in words, "a Release build unless told otherwise"
@@ -57,13 +57,17 @@ def test_every_robot_is_a_target(tmp_path: Path) -> None:
 def test_options_switch_flags_off(tmp_path: Path) -> None:
     options = (f"-DKRHPR_ROBOTS={ROBOT}", "-DKRHPR_SPEED=OFF", "-DKRHPR_NATIVE=OFF", "-DKRHPR_EXAMPLES=OFF")
     commands = configure(tmp_path, *options, "-DCMAKE_BUILD_TYPE=Debug")
-    assert set(commands) == {f"krhpr_{ROBOT}.c"}
-    (words,) = commands.values()
-    assert not [word for word in words if word.startswith(("-march", "-ff", "-fno-", "-O"))]
+    assert set(commands) == {f"krhpr_{ROBOT}{kind}.c" for kind in KINDS}
+    assert not [
+        word
+        for words in commands.values()
+        for word in words
+        if word.startswith(("-march", "-ff", "-fno-", "-O"))
+    ]
 
 
 def test_without_its_robot_the_example_is_left_out(tmp_path: Path) -> None:
-    assert set(configure(tmp_path, f"-DKRHPR_ROBOTS={ROBOT}")) == {f"krhpr_{ROBOT}.c"}
+    assert set(configure(tmp_path, f"-DKRHPR_ROBOTS={ROBOT}")) == {f"krhpr_{ROBOT}{kind}.c" for kind in KINDS}
 
 
 def test_no_native_instructions_for_another_machine(tmp_path: Path) -> None:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, ROBOTS, SOURCES, program, run, sections
+from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, KINDS, ROBOTS, SOURCES, program, run, sections
 
 HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
-LARGEST_FRAME = 8192
+LARGEST_FRAME = {"": 8192, "_batch": 65536}
+"""Bytes; a batch has as many poses on its stack as there are lanes."""
 """Bytes of stack that one function may take."""
 
 SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
@@ -22,9 +23,9 @@ POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 
 # Loops count upwards to a constant, or to a count that the caller gives; iterations may end before.
 LOOP = re.compile(
-    r"for \((?:int|ptrdiff_t) (\w+) = \w+(?: - 1)?; "
-    r"(?:\1 <=? (?:\d+|KRHPR_LANES|KRHPR_ROOTS_INTERVALS|n|n - pass|roots|\(ptrdiff_t\)count)"
-    r"(?: && !\(change\[[i0]\] <= [\de.-]+\)| && size > 0)?; (?:\+\+\1|\1 \+= KRHPR_LANES)"
+    r"for \((?:int|ptrdiff_t) (\w+) = \w+(?: - 1| > 0 \? n : 0)?; "
+    r"(?:\1 <=? (?:\d+|KRHPR_(?:LANES|PLACES|ROOTS_INTERVALS)|n|n - pass|whole|rest|roots|\(ptrdiff_t\)count)"
+    r"(?: && !\(change\[[i0]\] <= [\de.-]+\)| && size > 0)?; (?:\+\+\1|\1 \+= (?:2|KRHPR_LANES))"
     r"|\1 >= (?:0|1|pass); --\1)\)"
 )
 FORBIDDEN = re.compile(
@@ -32,22 +33,30 @@ FORBIDDEN = re.compile(
 )
 
 
-def compile_object(compiler: str, robot: str, folder: Path, *flags: str) -> Path:
-    target = folder / f"{robot}.o"
-    run([compiler, *flags, "-c", SOURCES / f"krhpr_{robot}.c", "-o", target])
+@pytest.fixture(params=KINDS, ids=["single", "batch"])
+def kind(request: pytest.FixtureRequest) -> str:
+    """Each of a robot's sources."""
+    return str(request.param)
+
+
+def compile_object(compiler: str, robot: str, kind: str, folder: Path, *flags: str) -> Path:
+    target = folder / f"{robot}{kind}.o"
+    run([compiler, *flags, "-c", SOURCES / f"krhpr_{robot}{kind}.c", "-o", target])
     return target
 
 
 @pytest.mark.every_robot
-def test_strict_c99(robot: str, compiler: str, tmp_path: Path) -> None:
+def test_strict_c99(robot: str, kind: str, compiler: str, tmp_path: Path) -> None:
     """No warning at all; those of the optimiser's analyses are looked for below."""
-    compile_object(compiler, robot, tmp_path, *CONFORMANCE, "-O0")
+    compile_object(compiler, robot, kind, tmp_path, *CONFORMANCE, "-O0")
 
 
 @pytest.mark.parametrize("standard", ["c11", "c17", "gnu99", "gnu17"])
-def test_later_standards(robot: str, compiler: str, standard: str, tmp_path: Path, full: bool) -> None:
+def test_later_standards(
+    robot: str, kind: str, compiler: str, standard: str, tmp_path: Path, full: bool
+) -> None:
     flags = [f"-std={standard}" if flag.startswith("-std=") else flag for flag in CONFORMANCE]
-    compile_object(compiler, robot, tmp_path, *flags, "-fsyntax-only")
+    compile_object(compiler, robot, kind, tmp_path, *flags, "-fsyntax-only")
 
 
 @pytest.mark.parametrize("header", HEADERS)
@@ -74,28 +83,32 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) 
     prefix = f"krhpr_{robot}"
     body = f"{{ {prefix}_geometry g; return {prefix}_default_geometry(&g); }}"
     source.write_text(f'#include "{prefix}.h"\nint main() {body}\n')
-    library = compile_object(compiler, robot, tmp_path, "-O1")
+    library = compile_object(compiler, robot, "", tmp_path, "-O1")
     run([cpp, *CPP_CONFORMANCE, f"-I{SOURCES}", source, library, "-o", tmp_path / "main", "-lm"])
     run([tmp_path / "main"])
 
 
 @pytest.mark.usefixtures("in_turns")
 @pytest.mark.parametrize("flags", [("-O0",), ("-O2",), SPEED], ids=["O0", "O2", "speed"])
-def test_objects(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
+def test_objects(robot: str, kind: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
     """No warning; undefined symbols are on a short list (no allocation, no pow), all others are prefixed; and
     there is no state: nothing in .data, .bss or thread-local storage, and no common symbols.
     """
     nm = program("nm")
-    library = compile_object(compiler, robot, tmp_path, *CONFORMANCE, *flags, "-fPIC", "-fno-stack-protector")
+    library = compile_object(
+        compiler, robot, kind, tmp_path, *CONFORMANCE, *flags, "-fPIC", "-fno-stack-protector"
+    )
     needed, offered = set(), set()
     for line in run([nm, library]).splitlines():
-        kind, name = line.split()[-2:]
-        if kind == "U":
+        letter, name = line.split()[-2:]
+        if letter == "U":
             needed.add(name)
-        elif kind.isupper():
-            offered.add((kind, name))
+        elif letter.isupper():
+            offered.add((letter, name))
+    if kind:  # batches of procedures call them pose by pose
+        needed = {name for name in needed if not name.startswith(f"krhpr_{robot}_")}
     assert needed - POSITION_INDEPENDENCE <= ALLOWED
-    assert {kind for kind, _ in offered} == {"T"}, "functions alone are exported"
+    assert {letter for letter, _ in offered} == {"T"}, "functions alone are exported"
     assert all(name.startswith(f"krhpr_{robot}_") for _, name in offered)
     found = sections(library)
     assert found[".text"] > 0
@@ -104,17 +117,17 @@ def test_objects(robot: str, compiler: str, flags: tuple[str, ...], tmp_path: Pa
     assert not writable
 
 
-def test_stack_and_call_graph(robot: str, tmp_path: Path) -> None:
+def test_stack_and_call_graph(robot: str, kind: str, tmp_path: Path) -> None:
     """Every stack frame is small, its size known at compile time; no function ever calls itself."""
     program("gcc")
     flags = ("-std=c99", "-O2", "-fno-inline", "-fstack-usage", "-fcallgraph-info")
-    compile_object("gcc", robot, tmp_path, *flags)
-    frames = [line.split("\t") for line in (tmp_path / f"{robot}.su").read_text().splitlines()]
+    compile_object("gcc", robot, kind, tmp_path, *flags)
+    frames = [line.split("\t") for line in (tmp_path / f"{robot}{kind}.su").read_text().splitlines()]
     # "dynamic,bounded": gcc aligns or pushes within a bound that the size includes; "dynamic" would be a VLA
-    assert {kind for _, _, kind in frames} <= {"static", "dynamic,bounded"}
-    assert max(int(size) for _, size, _ in frames) <= LARGEST_FRAME
+    assert {known for _, _, known in frames} <= {"static", "dynamic,bounded"}
+    assert max(int(size) for _, size, _ in frames) <= LARGEST_FRAME[kind]
     graph: dict[str, set[str]] = {}
-    text = (tmp_path / f"{robot}.ci").read_text()
+    text = (tmp_path / f"{robot}{kind}.ci").read_text()
     edges = re.findall(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"', text)
     for caller, callee in edges:
         graph.setdefault(caller, set()).add(callee)
@@ -158,4 +171,5 @@ def test_loops_are_bounded(path: Path) -> None:
 
 def test_every_robot_is_here() -> None:
     assert ROBOTS
-    assert {path.stem for path in SOURCES.glob("krhpr_*.c")} == {f"krhpr_{robot}" for robot in ROBOTS}
+    expected = {f"krhpr_{robot}{kind}" for robot in ROBOTS for kind in KINDS}
+    assert {path.stem for path in SOURCES.glob("krhpr_*.c")} == expected

@@ -288,19 +288,25 @@ def test_beyond_the_bounds_the_c_library_answers(library: Library) -> None:
 
 
 def test_zeros_and_denormals(library: Library) -> None:
-    tiny = np.array([0.0, 5e-324, -5e-324, 1e-310, -1e-310, 2.3e-308, 1e-200])
-    sine, cosine = library.sine_cosine(tiny)
-    np.testing.assert_array_equal(sine, tiny)
-    np.testing.assert_array_equal(cosine, 1.0)
-    # the sign of a zero y is kept; -0 counts as 0 where it is x
-    zero = np.array([0.0, -0.0, 0.0, -0.0, 0.0, -0.0])
-    angle = library.arctangent(zero, np.array([2.0, 2.0, -2.0, -2.0, 0.0, 0.0]))
-    np.testing.assert_array_equal(angle, [0.0, -0.0, math.pi, -math.pi, 0.0, -0.0])
-    np.testing.assert_array_equal(np.signbit(angle), np.signbit(zero))
-    np.testing.assert_array_equal(
-        library.arctangent(np.array([2.0, -2.0, 2.0, -2.0]), np.array([0.0, 0.0, -0.0, -0.0])),
-        np.array([1, -1, 1, -1]) * (math.pi / 2),
-    )
+    zeros = np.array([0.0, -0.0])
+    tiny = np.array([*zeros, 5e-324, -5e-324, 1e-310, -1e-310, 2.3e-308, 1e-200])
+    for blocks in (False, True):
+        sine, cosine = library.sine_cosine(tiny, blocks=blocks)
+        np.testing.assert_array_equal(sine, tiny)
+        np.testing.assert_array_equal(np.signbit(sine), np.signbit(tiny))
+        np.testing.assert_array_equal(cosine, 1.0)
+        # the signs of zeros are kept, and tell 0 from pi
+        y, x = (grid.ravel() for grid in np.meshgrid(zeros, [2.0, -2.0, 0.0, -0.0]))
+        angle = library.arctangent(y, x, blocks=blocks)
+        np.testing.assert_array_equal(angle, np.arctan2(y, x))
+        np.testing.assert_array_equal(np.signbit(angle), np.signbit(y))
+        y, x = (grid.ravel() for grid in np.meshgrid([2.0, -2.0], zeros))
+        np.testing.assert_array_equal(library.arctangent(y, x, blocks=blocks), y * (math.pi / 4))
+        # denormal sides, in every octant and next to the diagonals
+        small = np.arange(-9, 10) * 5e-324
+        y, x = (grid.ravel() for grid in np.meshgrid(small, small))
+        angle = library.arctangent(y, x, blocks=blocks)
+        np.testing.assert_allclose(angle, np.arctan2(y, x), rtol=4e-16, atol=0)
 
 
 def test_the_c_library_instead(

@@ -9,7 +9,9 @@ from krhpr.codegen.composition import STATUS_DOC, RobotCode, Status
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
 from krhpr.codegen.targets.base import File, render
-from krhpr.codegen.targets.c_functions import BATCH, batch_arguments, function_view, prototype
+from krhpr.codegen.targets.c_batch import PARAMETERS, batch_view, goes_side_by_side
+from krhpr.codegen.targets.c_defaults import default_constants
+from krhpr.codegen.targets.c_functions import function_view, prototype
 from krhpr.codegen.targets.c_kernels import (
     default_rows,
     field_count,
@@ -32,6 +34,7 @@ class CTarget:
     def shared(self) -> Iterable[File]:
         statuses = [(status.name, status.value, STATUS_DOC[status]) for status in Status]
         yield File("c/krhpr_lanes.h", render("c/krhpr_lanes.h.j2"))
+        yield File("c/krhpr_poses.h", render("c/krhpr_poses.h.j2"))
         yield File("c/krhpr_elementary.h", render("c/krhpr_elementary.h.j2", number=NUMBER, lanes=LANES))
         yield File("c/krhpr_roots.h", render("c/krhpr_roots.h.j2"))
         yield File("c/krhpr.h", render("c/krhpr.h.j2", statuses=statuses))
@@ -67,7 +70,7 @@ class CTarget:
             "functions": functions,
             "near": near,
             "sequences": [sequence_view(robot, function) for function in robot.functions if function.steps],
-            "near_batch_arguments": [] if near is None else batch_arguments(near),
+            "batches": [batch_view(robot, function) for function in robot.functions],
             "subleg_fields": field_names(robot.subleg),
             "platform_fields": field_names(robot.platform),
             "positive": positive_fields(robot),
@@ -81,7 +84,10 @@ class CTarget:
                 f"krhpr_{robot.identifier}_geometry *g",
                 f"const double fields[{field_count(robot)}]",
             ],
-            "batch": BATCH,
+            "batch_parameters": PARAMETERS,
+            "defaults": default_constants(robot, [f for f in robot.functions if not f.steps]),
+            "batch_defaults": default_constants(robot, filter(goes_side_by_side, robot.functions)),
         }
         yield File(f"c/krhpr_{robot.identifier}.h", render("c/robot.h.j2", **context))
         yield File(f"c/krhpr_{robot.identifier}.c", render("c/robot.c.j2", **context))
+        yield File(f"c/krhpr_{robot.identifier}_batch.c", render("c/robot_batch.c.j2", **context))

@@ -24,19 +24,10 @@ from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.targets.base import broken, port_text
+from krhpr.codegen.targets.c_defaults import default
 from krhpr.codegen.targets.c_legs import LegsView, legs_view
+from krhpr.codegen.targets.c_numbers import LANES, NUMBER, Writing
 from krhpr.codegen.targets.c_statements import AtRoots, Iteration, Row, Statement
-
-BATCH = [
-    "size_t count",
-    "const double *const in[]",
-    "const ptrdiff_t in_step[]",
-    "double *const out[]",
-    "const ptrdiff_t out_step[]",
-    "int *status",
-    "ptrdiff_t status_step",
-]
-"""Parameters of every batch function, after the geometry."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +63,6 @@ class FunctionView:
     platform_guards: tuple[GuardView, ...]
     legs: LegsView | None
     """The legs side by side; what calls, locals and angles of legs there are otherwise, is then there."""
-    batch_arguments: tuple[str, ...]
     in_sizes: tuple[int, ...]
     out_sizes: tuple[int, ...]
 
@@ -102,10 +92,11 @@ class GuardView:
     fills: tuple[tuple[str, int], ...]
 
 
-def _full_parameter(port: Port, *, output: bool = False) -> str:
+def _full_parameter(port: Port, *, output: bool = False, writing: Writing = NUMBER) -> str:
     if output:
-        return f"double *KRHPR_RESTRICT {port.name}"
-    return f"const double {port.name}[{port.full_size}]" if port.full_shape else f"double {port.name}"
+        return f"{writing.real} *KRHPR_RESTRICT {port.name}"
+    array = port.full_shape or writing is LANES  # vectors do not go through registers
+    return f"const {writing.real} {port.name}[{port.full_size}]" if array else f"{writing.real} {port.name}"
 
 
 def prototype(robot: RobotCode, function: RobotFunction) -> dict[str, object]:
@@ -128,12 +119,12 @@ def _optional_remark(port: Port) -> str:
     return "; NULL for the default" if port.name in OPTIONAL_INPUTS else ""
 
 
-def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
-    """A function's statements in the order of the source."""
+def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = NUMBER) -> FunctionView:
+    """A function's statements in the order of the source: of one pose, or of poses side by side."""
     known = variables(function, robot.parts)
     outside = _read_outside_the_loop(robot, function)
-    legs = legs_view(robot, function, known, outside)
-    plan = _Plan(robot, function, known, outside, leave_out=Stage.LEG if legs else None)
+    legs = legs_view(robot, function, known, outside) if writing is NUMBER else None
+    plan = _Plan(robot, function, known, outside, writing, leave_out=Stage.LEG if legs else None)
     diagonal = [port for port in function.outputs if port.layout is Layout.DIAGONAL]
     of_roots = {  # they have variables of their own
         call.variable_out(port.name)
@@ -154,17 +145,15 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         equations=function.equations,
         inputs=tuple(port_text(port, full=True) for port in function.inputs),
         outputs=tuple(port_text(port, full=True) for port in function.outputs),
-        parameters=tuple(_full_parameter(port) for port in function.inputs)
-        + tuple(_full_parameter(port, output=True) for port in function.outputs),
-        optional=tuple(
-            (port.name, f"{port.name}_default") for port in function.inputs if port.name in OPTIONAL_INPUTS
-        ),
-        finite=tuple((_address(port), port.full_size) for port in function.inputs),
+        parameters=tuple(_full_parameter(port, writing=writing) for port in function.inputs)
+        + tuple(_full_parameter(port, output=True, writing=writing) for port in function.outputs),
+        optional=tuple((port.name, default(port)) for port in function.inputs if default(port)),
+        finite=tuple((_address(port, writing), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
         empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
-            _local(variable, legs=variable.per_leg)
+            _local(variable, writing, legs=variable.per_leg)
             for variable in made.values()
             if not variable.per_leg or variable.name in outside
         ),
@@ -172,11 +161,11 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         if legs
         else tuple(
             [
-                _local(variable, legs=False)
+                _local(variable, writing, legs=False)
                 for variable in made.values()
                 if variable.per_leg and variable.name not in outside
             ]
-            + [f"double {port.name}_block[{port.size}];" for port in diagonal]
+            + [f"{writing.real} {port.name}_block[{port.size}];" for port in diagonal]
         ),
         uses_geometry=function.uses_geometry(robot.parts),
         angle_count=plan.angle_count,
@@ -192,12 +181,11 @@ def function_view(robot: RobotCode, function: RobotFunction) -> FunctionView:
         tail_stores=tuple(plan.tail_stores),
         platform_tail_stores=tuple(plan.platform_tail_stores),
         platform_calls=tuple(plan.platform_calls),
-        leg_guards=tuple(_leg_guard(guard, function) for guard in leg_guards),
+        leg_guards=tuple(_leg_guard(guard, function, writing) for guard in leg_guards),
         platform_guards=tuple(
-            _platform_guard(guard, function) for guard in function.guards if guard not in leg_guards
+            _platform_guard(guard, function, writing) for guard in function.guards if guard not in leg_guards
         ),
         legs=legs,
-        batch_arguments=tuple(batch_arguments(function)),
         in_sizes=tuple(port.full_size for port in function.inputs),
         out_sizes=tuple(port.full_size for port in function.outputs),
     )
@@ -224,10 +212,11 @@ class _Plan:
         function: RobotFunction,
         known: dict[str, Variable],
         outside: set[str],
+        writing: Writing,
         *,
         leave_out: Stage | None,
     ) -> None:
-        self.robot, self.known, self.outside = robot, known, outside
+        self.robot, self.known, self.outside, self.writing = robot, known, outside, writing
         self.read = function.read(robot.parts, guards=True)
         self.angle_count = self.tail_count = 0
         self.shared_angle_calls: list[str] = []
@@ -418,7 +407,7 @@ class _Plan:
             arguments.append(text or self._reference(call.variable_out(port.name), call.stage, output=True))
         if indent is None:
             indent = 8 if call.stage is Stage.LEG else 4
-        return broken(f"krhpr_{part.name}_{kernel.name}", arguments, ";", indent)
+        return broken(f"krhpr_{part.name}_{kernel.name}{self.writing.suffix}", arguments, ";", indent)
 
     def _reference(self, name: str, stage: Stage, *, output: bool = False) -> str:
         """How a kernel's argument is written: a value, an array, or a pointer to a leg's part of an array."""
@@ -432,32 +421,28 @@ class _Plan:
             return f"{name} + {size} * i" if size > 1 else f"{name} + i"
         if scalar and output and variable.kind == "local":
             return f"&{name}"
+        if scalar and variable.kind == "input" and self.writing is LANES:
+            return f"{name}[0]"
         return name
 
 
-def _address(port: Port) -> str:
-    return port.name if port.full_shape else f"&{port.name}"
+def _address(port: Port, writing: Writing) -> str:
+    return port.name if port.full_shape or writing is LANES else f"&{port.name}"
 
 
-def batch_arguments(function: RobotFunction) -> list[str]:
-    """Arguments of one element's call inside the batch twin."""
-    inputs = [_batch_input(port, index) for index, port in enumerate(function.inputs)]
-    return inputs + [f"out[{index}] + k * out_step[{index}]" for index in range(len(function.outputs))]
-
-
-def _batch_input(port: Port, index: int) -> str:
-    element = f"in[{index}] + k * in_step[{index}]"
-    if port.name in OPTIONAL_INPUTS:
-        return f"in[{index}] ? {element} : NULL"
-    return element if port.full_shape else f"*({element})"
-
-
-def _local(variable: Variable, *, legs: bool) -> str:
+def _local(variable: Variable, writing: Writing, *, legs: bool) -> str:
     size = prod(variable.port.shape) * (LEGS if legs else 1)
-    return f"double {variable.name}[{size}];" if legs or variable.port.shape else f"double {variable.name};"
+    array = f"[{size}]" if legs or variable.port.shape else ""
+    return f"{writing.real} {variable.name}{array};"
 
 
-def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
+def _holds(guard: Guard, value: str, writing: Writing) -> str:
+    """The condition that a value keeps its limit."""
+    compare = writing.at_least if guard.relation is Relation.AT_LEAST else writing.at_most
+    return compare(value, writing.all(repr(guard.limit)))
+
+
+def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing) -> GuardView:
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
     leg_named = guard.status in LEG_STATUSES
     fills: list[tuple[str, int]] = []
@@ -472,18 +457,16 @@ def _leg_guard(guard: Guard, function: RobotFunction) -> GuardView:
                 ]
             else:
                 fills.append((f"{port.name} + {port.size} * i", port.size))
-    operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
     return GuardView(
-        f"{guard.variable}[i] {operator} {guard.limit!r}",
+        _holds(guard, f"{guard.variable}[i]", writing),
         f"KRHPR_{guard.status.name}" + (" + i" if leg_named else ""),
         tuple(fills),
     )
 
 
-def _platform_guard(guard: Guard, function: RobotFunction) -> GuardView:
+def _platform_guard(guard: Guard, function: RobotFunction, writing: Writing) -> GuardView:
     """A guard of the whole platform: where it fails, every output is NaN."""
-    operator = ">=" if guard.relation is Relation.AT_LEAST else "<="
     fills = tuple((port.name, port.full_size) for port in guard.spoilt(function.outputs))
     return GuardView(
-        f"{guard.variable}[{guard.index}] {operator} {guard.limit!r}", f"KRHPR_{guard.status.name}", fills
+        _holds(guard, f"{guard.variable}[{guard.index}]", writing), f"KRHPR_{guard.status.name}", fills
     )

@@ -140,8 +140,12 @@ def geometry_view(geometry: GeometryType | None) -> dict[str, list[tuple[str, st
     """Members of a part's structure, arrays over the legs: what a person sets, what `prepare` computes."""
     if geometry is None:
         return {"fields": [], "prepared": []}
-    fields = [(f"double {field.name}[KRHPR_PLACES];", f"{field.doc} ({field.unit})") for field in geometry.fields]
-    prepared = [(f"double {port.name}[{port.size}][KRHPR_PLACES];", port.doc) for port in geometry.prepare.outputs]
+    fields = [
+        (f"double {field.name}[KRHPR_PLACES];", f"{field.doc} ({field.unit})") for field in geometry.fields
+    ]
+    prepared = [
+        (f"double {port.name}[{port.size}][KRHPR_PLACES];", port.doc) for port in geometry.prepare.outputs
+    ]
     return {"fields": fields, "prepared": prepared}
 
 

@@ -123,7 +123,12 @@ class _Legs:
             rows, columns = variable.port.shape
             width = variable.port.full_shape[1]
             self.stores += [
-                _store(_part(name, row * width), rows * width + columns, _part(_lanes(name), row * columns), columns)
+                _store(
+                    _part(name, row * width),
+                    rows * width + columns,
+                    _part(_lanes(name), row * columns),
+                    columns,
+                )
                 for row in range(rows)
             ]
         else:

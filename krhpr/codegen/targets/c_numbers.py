@@ -13,6 +13,9 @@ class Writing(ABC):
     real: str
     ints: str
     prefix: str
+    suffix: str
+    """Behind the names of kernels."""
+
     fabs: str
     copysign: str
 
@@ -23,6 +26,14 @@ class Writing(ABC):
     @abstractmethod
     def less(self, a: str, b: str) -> str:
         """Whether a < b."""
+
+    @abstractmethod
+    def at_most(self, a: str, b: str) -> str:
+        """Whether a <= b."""
+
+    @abstractmethod
+    def at_least(self, a: str, b: str) -> str:
+        """Whether a >= b."""
 
     @abstractmethod
     def where(self, condition: str, then: str, otherwise: str) -> str:
@@ -38,6 +49,12 @@ class Number(Writing):
     def less(self, a: str, b: str) -> str:
         return f"{a} < {b}"
 
+    def at_most(self, a: str, b: str) -> str:
+        return f"{a} <= {b}"
+
+    def at_least(self, a: str, b: str) -> str:
+        return f"{a} >= {b}"
+
     def where(self, condition: str, then: str, otherwise: str) -> str:
         return f"({condition} ? {then} : {otherwise})"
 
@@ -51,9 +68,17 @@ class Lanes(Writing):
     def less(self, a: str, b: str) -> str:
         return f"krhpr_less({a}, {b})"
 
+    def at_most(self, a: str, b: str) -> str:
+        return f"krhpr_at_most({a}, {b})"
+
+    def at_least(self, a: str, b: str) -> str:
+        return f"krhpr_at_most({b}, {a})"
+
     def where(self, condition: str, then: str, otherwise: str) -> str:
         return f"krhpr_where({condition}, {then}, {otherwise})"
 
 
-NUMBER = Number("double", "int", "krhpr_", "fabs", "copysign")
-LANES = Lanes("krhpr_lanes", "krhpr_ints", "krhpr_lanes_", "krhpr_lanes_fabs", "krhpr_lanes_copysign")
+NUMBER = Number("double", "int", "krhpr_", "", "fabs", "copysign")
+LANES = Lanes(
+    "krhpr_lanes", "krhpr_ints", "krhpr_lanes_", "_lanes", "krhpr_lanes_fabs", "krhpr_lanes_copysign"
+)

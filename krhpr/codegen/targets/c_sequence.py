@@ -8,18 +8,17 @@ from math import prod
 from krhpr.codegen.composition import RobotCode, RobotFunction, Step
 from krhpr.codegen.kernel import Port
 from krhpr.codegen.targets.base import broken
-from krhpr.codegen.targets.c_functions import batch_arguments, prototype
+from krhpr.codegen.targets.c_functions import prototype
 
 
 @dataclass(frozen=True)
 class SequenceView:
-    """A sequence as the template sees it: locals, calls, and the arguments of its batch twin."""
+    """A sequence as the template sees it: locals and calls."""
 
     symbol: str
     parameters: tuple[str, ...]
     locals: tuple[str, ...]
     calls: tuple[str, ...]
-    batch_arguments: tuple[str, ...]
 
 
 def sequence_view(robot: RobotCode, function: RobotFunction) -> SequenceView:
@@ -42,7 +41,6 @@ def sequence_view(robot: RobotCode, function: RobotFunction) -> SequenceView:
             for port in made.values()
         ),
         calls=tuple(calls),
-        batch_arguments=tuple(batch_arguments(function)),
     )
 
 

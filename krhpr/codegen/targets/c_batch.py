@@ -1,0 +1,74 @@
+"""Batches of a robot's functions as the C templates see them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.kernel import Port
+from krhpr.codegen.targets.c_defaults import default
+from krhpr.codegen.targets.c_functions import FunctionView, function_view
+from krhpr.codegen.targets.c_numbers import LANES
+
+PARAMETERS = [
+    "size_t count",
+    "const double *const in[]",
+    "const ptrdiff_t in_step[]",
+    "double *const out[]",
+    "const ptrdiff_t out_step[]",
+    "int *status",
+    "ptrdiff_t status_step",
+]
+"""Parameters of every batch function, after the geometry."""
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An input or output: its name, its numbers for one pose, and what stands for it where it is NULL."""
+
+    name: str
+    size: int
+    default: str = ""
+
+
+@dataclass(frozen=True)
+class BatchView:
+    """A batch: poses side by side if `poses` is there, else calls of the function one after the other."""
+
+    symbol: str
+    poses: FunctionView | None
+    inputs: tuple[Argument, ...]
+    outputs: tuple[Argument, ...]
+    arguments: tuple[str, ...]
+    """Those of the call for pose k."""
+
+    @property
+    def names(self) -> list[str]:
+        """All arguments."""
+        return [port.name for port in (*self.inputs, *self.outputs)]
+
+
+def goes_side_by_side(function: RobotFunction) -> bool:
+    """Whether a function's batch is computed over lanes."""
+    return bool(function.calls) and not function.procedure
+
+
+def batch_view(robot: RobotCode, function: RobotFunction) -> BatchView:
+    """The batch of a function."""
+    return BatchView(
+        symbol=f"krhpr_{robot.identifier}_{function.name}",
+        poses=function_view(robot, function, LANES) if goes_side_by_side(function) else None,
+        inputs=tuple(Argument(port.name, port.full_size, default(port)) for port in function.inputs),
+        outputs=tuple(Argument(port.name, port.full_size) for port in function.outputs),
+        arguments=(
+            *(_input(port, index) for index, port in enumerate(function.inputs)),
+            *(f"out[{index}] + k * out_step[{index}]" for index in range(len(function.outputs))),
+        ),
+    )
+
+
+def _input(port: Port, index: int) -> str:
+    element = f"in[{index}] + k * in_step[{index}]"
+    if default(port):
+        return f"in[{index}] ? {element} : NULL"
+    return element if port.full_shape else f"*({element})"
