@@ -29,6 +29,7 @@ from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage
 from krhpr.codegen.targets.c import CTarget
+from krhpr.codegen.targets.c_batch import goes_side_by_side
 from krhpr.derivations.catalogue import catalogue
 from krhpr.native import function_address, load_library, make_gufunc
 
@@ -67,11 +68,54 @@ def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
         + mode
         + f"{workload.prototype()}\n{{\n    {CALL[workload.key].format(robot=name)};\n}}\n"
     )
-    options = {"scalar": (), "scalar, libm": ("-DKRHPR_LIBM",)}
-    return [
+    options = {"legs in lanes": (), "legs in lanes, libm": ("-DKRHPR_LIBM",), "plain C99": ("-DKRHPR_LANES=1",)}
+    singles = [
         Contender(OURS, workload.key, variant, glue, include_dirs=(str(folder),), extra_flags=flags)
         for variant, flags in options.items()
     ]
+    return singles + _batches(workload, robot, folder)
+
+
+def _batches(workload: Workload, robot: RobotCode, folder: Path) -> list[Contender]:
+    """The batch functions: poses side by side, arrays of structures or structures of arrays."""
+    if not goes_side_by_side(robot.functions[0]):
+        return []
+    mode = ["NULL"] if workload.key == "w2" else []
+    inputs, outputs = [a.name for a in workload.inputs], [a.name for a in workload.outputs]
+    sizes = {array.name: array.size for array in (*workload.inputs, *workload.outputs)}
+    symbol = f"krhpr_{robot.identifier}_{workload.key}"
+    calls = {
+        "aos": (1, f"{symbol}_batch(&geometry, (size_t)n, in, in_step, out, out_step, NULL, 0)"),
+        "blocked8": (8, f"{symbol}_soa(&geometry, (size_t)n, 8, in, in_step, out, out_step, NULL)"),
+        "soa": (0, f"{symbol}_soa(&geometry, (size_t)n, 0, in, in_step, out, out_step, NULL)"),
+    }
+    found = []
+    for layout, (step, call) in calls.items():
+        in_steps = [str(step * sizes[name]) for name in inputs] + ["0"] * len(mode)
+        lines = [
+            f'#include "krhpr_{robot.identifier}_batch.c"',
+            baked(robot),
+            workload.batch_prototype(),
+            "{",
+            f"    const double *const in[] = {{{', '.join(inputs + mode)}}};",
+            f"    double *const out[] = {{{', '.join(outputs)}}};",
+            f"    const ptrdiff_t in_step[] = {{{', '.join(in_steps)}}};",
+            f"    const ptrdiff_t out_step[] = {{{', '.join(str(step * sizes[name]) for name in outputs)}}};",
+            f"    {call};",
+            "}",
+        ]
+        found.append(
+            Contender(
+                OURS,
+                workload.key,
+                "poses in lanes",
+                "\n".join(lines) + "\n",
+                include_dirs=(str(folder),),
+                single=False,
+                batch_layout=layout,
+            )
+        )
+    return found
 
 
 def baked(robot: RobotCode) -> str:

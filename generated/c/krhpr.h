@@ -32,8 +32,10 @@
 #endif
 
 /* One copy in a translation unit of what is long or rarely called. */
-#if defined(__GNUC__)
+#if defined(__clang__)
 #define KRHPR_OUTLINE __attribute__((noinline, unused)) static
+#elif defined(__GNUC__)
+#define KRHPR_OUTLINE __attribute__((noinline, noclone, unused)) static
 #else
 #define KRHPR_OUTLINE static inline
 #endif

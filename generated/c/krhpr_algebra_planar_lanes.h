@@ -11,22 +11,22 @@
 
 /* r = N s_dot, the rate along the leg's lines.  Thesis: (1.30).  (1 add, 2 multiply) */
 KRHPR_INLINE void krhpr_algebra_planar_rate_lanes(
-    const krhpr_lanes N[2], const krhpr_lanes s_dot[2], krhpr_lanes *KRHPR_RESTRICT rate)
+    const krhpr_lanes_at N[2], const krhpr_lanes_at s_dot[2], krhpr_lanes_at *KRHPR_RESTRICT rate)
 {
     rate[0] = N[0] * s_dot[0] + N[1] * s_dot[1];
 }
 
 /* N s_ddot + bias, the right-hand side of (1.30) differentiated.  (2 add, 2 multiply) */
 KRHPR_INLINE void krhpr_algebra_planar_rate_with_bias_lanes(
-    const krhpr_lanes N[2], const krhpr_lanes s_ddot[2], const krhpr_lanes bias[1],
-    krhpr_lanes *KRHPR_RESTRICT rate)
+    const krhpr_lanes_at N[2], const krhpr_lanes_at s_ddot[2], const krhpr_lanes_at bias[1],
+    krhpr_lanes_at *KRHPR_RESTRICT rate)
 {
     rate[0] = bias[0] + N[0] * s_ddot[0] + N[1] * s_ddot[1];
 }
 
 /* s_ddot = M theta_ddot + bias.  (2 add) */
 KRHPR_INLINE void krhpr_algebra_planar_sum_lanes(
-    const krhpr_lanes along[2], const krhpr_lanes bias[2], krhpr_lanes *KRHPR_RESTRICT s_ddot)
+    const krhpr_lanes_at along[2], const krhpr_lanes_at bias[2], krhpr_lanes_at *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0] = along[0] + bias[0];
     s_ddot[1] = along[1] + bias[1];
@@ -34,7 +34,7 @@ KRHPR_INLINE void krhpr_algebra_planar_sum_lanes(
 
 /* M theta_ddot = s_ddot - bias.  (2 add) */
 KRHPR_INLINE void krhpr_algebra_planar_difference_lanes(
-    const krhpr_lanes s_ddot[2], const krhpr_lanes bias[2], krhpr_lanes *KRHPR_RESTRICT along)
+    const krhpr_lanes_at s_ddot[2], const krhpr_lanes_at bias[2], krhpr_lanes_at *KRHPR_RESTRICT along)
 {
     along[0] = s_ddot[0] - bias[0];
     along[1] = s_ddot[1] - bias[1];
@@ -43,8 +43,8 @@ KRHPR_INLINE void krhpr_algebra_planar_difference_lanes(
 /* Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link.  (2 add, 4
  * multiply) */
 KRHPR_INLINE void krhpr_algebra_planar_wrist_lanes(
-    const krhpr_lanes link[2], const krhpr_lanes redundant_link[2], krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at link[2], const krhpr_lanes_at redundant_link[2],
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     tail_y[0] = link[0] * redundant_link[1] - link[1] * redundant_link[0];
     tail_x[0] = link[0] * redundant_link[0] + link[1] * redundant_link[1];
@@ -52,14 +52,14 @@ KRHPR_INLINE void krhpr_algebra_planar_wrist_lanes(
 
 /* Angles whose sines and cosines `rotation` reads.  (no operations) */
 KRHPR_INLINE void krhpr_algebra_planar_rotation_angles_lanes(
-    krhpr_lanes phi, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes phi, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = phi;
 }
 
 /* Q from phi.  Thesis: (2.5).  (no operations) */
 KRHPR_INLINE void krhpr_algebra_planar_rotation_lanes(
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT Q)
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT Q)
 {
     Q[0] = cosine[0];
     Q[1] = -sine[0];

@@ -11,7 +11,7 @@
 
 /* r = N s_dot, the rate along the leg's lines.  Thesis: (1.30).  (4 add, 6 multiply) */
 KRHPR_INLINE void krhpr_algebra_spatial_rate_lanes(
-    const krhpr_lanes N[6], const krhpr_lanes s_dot[3], krhpr_lanes *KRHPR_RESTRICT rate)
+    const krhpr_lanes_at N[6], const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT rate)
 {
     rate[0] = N[0] * s_dot[0] + N[1] * s_dot[1] + N[2] * s_dot[2];
     rate[1] = N[3] * s_dot[0] + N[4] * s_dot[1] + N[5] * s_dot[2];
@@ -19,8 +19,8 @@ KRHPR_INLINE void krhpr_algebra_spatial_rate_lanes(
 
 /* N s_ddot + bias, the right-hand side of (1.30) differentiated.  (6 add, 6 multiply) */
 KRHPR_INLINE void krhpr_algebra_spatial_rate_with_bias_lanes(
-    const krhpr_lanes N[6], const krhpr_lanes s_ddot[3], const krhpr_lanes bias[2],
-    krhpr_lanes *KRHPR_RESTRICT rate)
+    const krhpr_lanes_at N[6], const krhpr_lanes_at s_ddot[3], const krhpr_lanes_at bias[2],
+    krhpr_lanes_at *KRHPR_RESTRICT rate)
 {
     rate[0] = bias[0] + N[0] * s_ddot[0] + N[1] * s_ddot[1] + N[2] * s_ddot[2];
     rate[1] = bias[1] + N[3] * s_ddot[0] + N[4] * s_ddot[1] + N[5] * s_ddot[2];
@@ -28,7 +28,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_rate_with_bias_lanes(
 
 /* s_ddot = M theta_ddot + bias.  (3 add) */
 KRHPR_INLINE void krhpr_algebra_spatial_sum_lanes(
-    const krhpr_lanes along[3], const krhpr_lanes bias[3], krhpr_lanes *KRHPR_RESTRICT s_ddot)
+    const krhpr_lanes_at along[3], const krhpr_lanes_at bias[3], krhpr_lanes_at *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0] = along[0] + bias[0];
     s_ddot[1] = along[1] + bias[1];
@@ -37,7 +37,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_sum_lanes(
 
 /* M theta_ddot = s_ddot - bias.  (3 add) */
 KRHPR_INLINE void krhpr_algebra_spatial_difference_lanes(
-    const krhpr_lanes s_ddot[3], const krhpr_lanes bias[3], krhpr_lanes *KRHPR_RESTRICT along)
+    const krhpr_lanes_at s_ddot[3], const krhpr_lanes_at bias[3], krhpr_lanes_at *KRHPR_RESTRICT along)
 {
     along[0] = s_ddot[0] - bias[0];
     along[1] = s_ddot[1] - bias[1];
@@ -47,7 +47,8 @@ KRHPR_INLINE void krhpr_algebra_spatial_difference_lanes(
 /* Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last link.
  * (18 add, 27 multiply) */
 KRHPR_INLINE void krhpr_algebra_spatial_wrist_lanes(
-    const krhpr_lanes link[9], const krhpr_lanes redundant_link[9], krhpr_lanes *KRHPR_RESTRICT spherical)
+    const krhpr_lanes_at link[9], const krhpr_lanes_at redundant_link[9],
+    krhpr_lanes_at *KRHPR_RESTRICT spherical)
 {
     const krhpr_lanes spherical_00 = link[0] * redundant_link[0] + link[3] * redundant_link[3] + link[6] * redundant_link[6];
     const krhpr_lanes spherical_01 = link[0] * redundant_link[1] + link[3] * redundant_link[4] + link[6] * redundant_link[7];
@@ -71,7 +72,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_wrist_lanes(
 
 /* Largest element of |Q^T Q - I|; at least 1 - det Q.  (21 add, 27 multiply, 12 select) */
 KRHPR_INLINE void krhpr_algebra_spatial_rotation_error_lanes(
-    const krhpr_lanes Q[9], krhpr_lanes *KRHPR_RESTRICT error)
+    const krhpr_lanes_at Q[9], krhpr_lanes_at *KRHPR_RESTRICT error)
 {
     const krhpr_lanes t1 = krhpr_lanes_max(krhpr_lanes_fabs(Q[0] * Q[0] + Q[3] * Q[3] + Q[6] * Q[6] - 1.0), krhpr_lanes_fabs(Q[0] * Q[1] + Q[3] * Q[4] + Q[6] * Q[7]));
     const krhpr_lanes t2 = krhpr_lanes_max(krhpr_lanes_max(t1, krhpr_lanes_fabs(Q[0] * Q[2] + Q[3] * Q[5] + Q[6] * Q[8])), krhpr_lanes_fabs(Q[1] * Q[1] + Q[4] * Q[4] + Q[7] * Q[7] - 1.0));

@@ -30,15 +30,14 @@
 /* Numbers, and integers of the same size: conditions (all bits set where true), and statuses. */
 #if KRHPR_LANES == 1
 typedef double krhpr_lanes;
+typedef double krhpr_lanes_at;
 typedef int krhpr_ints;
-#define KRHPR_TRUE 1
 #else
 typedef double krhpr_lanes __attribute__((vector_size(8 * KRHPR_LANES)));
 typedef long long krhpr_ints __attribute__((vector_size(8 * KRHPR_LANES)));
-/* Numbers anywhere in an array of doubles. */
+/* Where arrays of numbers may lie anywhere in arrays of doubles. */
 typedef double krhpr_lanes_at __attribute__((vector_size(8 * KRHPR_LANES), aligned(8), may_alias));
 typedef double krhpr_pair_at __attribute__((vector_size(16), aligned(8), may_alias));
-#define KRHPR_TRUE -1
 #endif
 
 /* Rearranges the elements of two vectors; compilers without it take one element after the other. */

@@ -9,6 +9,13 @@
  * (defaults in metres).  Every function returns a krhpr_status, allocates nothing, keeps no state and may be called
  * from several threads.  Where there is no answer the outputs are NaN.  Nothing overflows while inputs are below 1e30.
  *
+ * Batches (krhpr_planar_rpr2_b_batch.c) take arrays of pointers, one for each input and output in the stated order; status may
+ * be NULL.  They return the first status that is not KRHPR_OK.
+ *   ..._batch  an array of structures: steps count doubles (status: ints) from one pose to the next and may be 0
+ *   ..._soa    a structure of arrays, in blocks of `block` poses (0: all in one): number n of pose k of a block is at
+ *              n * block + k, and steps count doubles from one block to the next (0: the same for all).  Arrays are used
+ *              as they are where block is KRHPR_LANES and they are aligned to it; otherwise they are copied in passing
+ *
  * Working modes (signs ):
  *   only                     {}
  * Assembly modes:
@@ -52,12 +59,14 @@ KRHPR_API size_t krhpr_planar_rpr2_b_geometry_size(void);
 KRHPR_API int krhpr_planar_rpr2_b_end_points(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT s);
-/* Batch: in = p (2), phi (1), redundant (3); out = s (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), redundant (3); out = s (6). */
 KRHPR_API int krhpr_planar_rpr2_b_end_points_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_end_points_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Redundant coordinates from the pose and the end points.  Thesis: 1.5.
  *   in     p (2, m, base frame): position of O'
@@ -68,12 +77,14 @@ KRHPR_API int krhpr_planar_rpr2_b_end_points_batch(
 KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant);
-/* Batch: in = p (2), phi (1), s (6); out = redundant (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6); out = redundant (3). */
 KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* End points of the sub-legs from the actuated joints.  A closed loop that cannot close gives NaN.  Thesis:
  * 3.5.
@@ -84,12 +95,14 @@ KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_batch(
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward(
     const krhpr_planar_rpr2_b_geometry *g, const double theta[6], const double assembly[3],
     double *KRHPR_RESTRICT s);
-/* Batch: in = theta (6), assembly (3); out = s (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = theta (6), assembly (3); out = s (6). */
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* End points of the sub-legs in every assembly mode, from the actuated joints; NaN where the loop cannot
  * close.  Thesis: 3.5.
@@ -98,12 +111,14 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_batch(
  */
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all(
     const krhpr_planar_rpr2_b_geometry *g, const double theta[6], double *KRHPR_RESTRICT s);
-/* Batch: in = theta (6); out = s (12); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = theta (6); out = s (12). */
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
@@ -112,12 +127,14 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_batch(
  */
 KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], double *KRHPR_RESTRICT theta);
-/* Batch: in = s (6); out = theta (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6); out = theta (6). */
 KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.  Thesis: (1.16), (2.15).
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
@@ -127,12 +144,14 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_batch(
 KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], const double theta[6],
     double *KRHPR_RESTRICT M);
-/* Batch: in = s (6), theta (6); out = M (12); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6), theta (6); out = M (12). */
 KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N
  * s_dot.  Thesis: (2.8).
@@ -144,12 +163,14 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_batch(
 KRHPR_API int krhpr_planar_rpr2_b_constraints(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT residual);
-/* Batch: in = p (2), phi (1), s (6); out = residual (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6); out = residual (3). */
 KRHPR_API int krhpr_planar_rpr2_b_constraints_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_constraints_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* J and K of J t = K theta_dot.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (2, m, base frame): position of O'
@@ -162,12 +183,14 @@ KRHPR_API int krhpr_planar_rpr2_b_constraints_batch(
 KRHPR_API int krhpr_planar_rpr2_b_jacobians(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
-/* Batch: in = p (2), phi (1), s (6), theta (6); out = J (9), K (18); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6); out = J (9), K (18). */
 KRHPR_API int krhpr_planar_rpr2_b_jacobians_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_jacobians_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* J, and K as the legs' blocks without the zeros.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (2, m, base frame): position of O'
@@ -180,12 +203,14 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobians_batch(
 KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
-/* Batch: in = p (2), phi (1), s (6), theta (6); out = J (9), K (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6); out = J (9), K (6). */
 KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
@@ -196,12 +221,14 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_batch(
 KRHPR_API int krhpr_planar_rpr2_b_inverse(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT theta);
-/* Batch: in = p (2), phi (1), redundant (3); out = theta (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), redundant (3); out = theta (6). */
 KRHPR_API int krhpr_planar_rpr2_b_inverse_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_inverse_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in every working mode; NaN where a mode does not exist.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
@@ -212,12 +239,14 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_batch(
 KRHPR_API int krhpr_planar_rpr2_b_inverse_all(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT theta);
-/* Batch: in = p (2), phi (1), redundant (3); out = theta (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), redundant (3); out = theta (6). */
 KRHPR_API int krhpr_planar_rpr2_b_inverse_all_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_inverse_all_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.  Thesis:
  * 1.8.
@@ -231,12 +260,14 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_all_batch(
 KRHPR_API int krhpr_planar_rpr2_b_inverse_near(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double redundant[3],
     const double theta_near[6], double *KRHPR_RESTRICT theta);
-/* Batch: in = p (2), phi (1), redundant (3), theta_near (6); out = theta (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), redundant (3), theta_near (6); out = theta (6). */
 KRHPR_API int krhpr_planar_rpr2_b_inverse_near_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_inverse_near_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Which leg cannot reach its end point, and by how much.  Thesis: 1.5.
  *   in     p (2, m, base frame): position of O'
@@ -247,12 +278,14 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_near_batch(
 KRHPR_API int krhpr_planar_rpr2_b_inverse_status(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT excess);
-/* Batch: in = p (2), phi (1), redundant (3); out = excess (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), redundant (3); out = excess (3). */
 KRHPR_API int krhpr_planar_rpr2_b_inverse_status_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_inverse_status_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.  Thesis: (1.30).
  *   in     p (2, m, base frame): position of O'
@@ -265,12 +298,14 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_status_batch(
 KRHPR_API int krhpr_planar_rpr2_b_twist(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist);
-/* Batch: in = p (2), phi (1), s (6), theta (6), theta_dot (6); out = twist (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6), theta_dot (6); out = twist (3). */
 KRHPR_API int krhpr_planar_rpr2_b_twist_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_twist_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Rates of the actuated joints from the twist and the rates of the redundant coordinates.  Thesis: (1.30),
  * (1.9).
@@ -286,12 +321,14 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_rates(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
-/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3); out = theta_dot (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3); out = theta_dot (6). */
 KRHPR_API int krhpr_planar_rpr2_b_joint_rates_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_joint_rates_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.
  * Thesis: (1.30) differentiated.
@@ -309,12 +346,15 @@ KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6],
     double *KRHPR_RESTRICT twist_rate);
-/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), theta_dot (6), theta_ddot (6); out = twist_rate (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6), twist (3), theta_dot (6), theta_ddot (6); out =
+ * twist_rate (3). */
 KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.
  * Thesis: (1.30) differentiated.
@@ -335,12 +375,15 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations(
     const double theta[6], const double twist[3], const double redundant_rates[3],
     const double theta_dot[6], const double twist_rate[3], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
-/* Batch: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3), theta_dot (6), twist_rate (3), redundant_accelerations (3); out = theta_ddot (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3), theta_dot (6), twist_rate
+ * (3), redundant_accelerations (3); out = theta_ddot (6). */
 KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every passive joint, from the base to the platform.
  *   in     p (2, m, base frame): position of O'
@@ -356,12 +399,14 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist,
     double *KRHPR_RESTRICT platform_joint);
-/* Batch: in = p (2), phi (1), s (6), theta (6); out = passive (9), wrist (3), platform_joint (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6); out = passive (9), wrist (3), platform_joint (3). */
 KRHPR_API int krhpr_planar_rpr2_b_passive_joints_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_passive_joints_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Where the joints of every leg are, and where its redundant link meets the platform: the ends of all
  * straight links.
@@ -375,12 +420,14 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_batch(
 KRHPR_API int krhpr_planar_rpr2_b_link_points(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
-/* Batch: in = p (2), phi (1), s (6), theta (6); out = points (18), attachment (6); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6); out = points (18), attachment (6). */
 KRHPR_API int krhpr_planar_rpr2_b_link_points_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_link_points_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i)
@@ -399,12 +446,14 @@ KRHPR_API int krhpr_planar_rpr2_b_singularity(
     const krhpr_planar_rpr2_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
-/* Batch: in = p (2), phi (1), s (6), theta (6); out = type_1 (3), factors (9), type_2 (1), margins (1); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = p (2), phi (1), s (6), theta (6); out = type_1 (3), factors (9), type_2 (1), margins (1). */
 KRHPR_API int krhpr_planar_rpr2_b_singularity_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_singularity_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they
  * depend neither on the pose nor on the sub-legs.  Thesis: 1.4, 2.3.2.
@@ -415,12 +464,14 @@ KRHPR_API int krhpr_planar_rpr2_b_singularity_batch(
 KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant(
     const krhpr_planar_rpr2_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins);
-/* Batch: in = redundant (3); out = type_2 (1), margins (1); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = redundant (3); out = type_2 (1), margins (1). */
 KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates:
  * two, in closed form, with opposite det J, first the one whose first margin is positive.  Thesis: 3.6; 3.2
@@ -437,12 +488,14 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_all(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
     double *KRHPR_RESTRICT count);
-/* Batch: in = s (6); out = p (4), phi (2), redundant (6), det_J (2), count (1); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6); out = p (4), phi (2), redundant (6), det_J (2), count (1). */
 KRHPR_API int krhpr_planar_rpr2_b_forward_all_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_forward_all_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose of the platform and the redundant coordinates from the actuated joints alone, unique on the
  * known side of type II: no guess and no extra encoder.  Thesis: 3.6.
@@ -460,12 +513,15 @@ KRHPR_API int krhpr_planar_rpr2_b_forward(
     const krhpr_planar_rpr2_b_geometry *g, const double theta[6], const double assembly[3], double side,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant,
     double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified);
-/* Batch: in = theta (6), assembly (3), side (1); out = p (2), phi (1), redundant (3), count (1), certified (1); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = theta (6), assembly (3), side (1); out = p (2), phi (1), redundant (3), count (1),
+ * certified (1). */
 KRHPR_API int krhpr_planar_rpr2_b_forward_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_forward_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho_1, rho_2]
@@ -483,12 +539,15 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta(
     const krhpr_planar_rpr2_b_geometry *g, const double theta[6], const double assembly[3], double side,
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant);
-/* Batch: in = theta (6), assembly (3), side (1); out = passive (9), wrist (3), platform_joint (3), p (2), phi (1), redundant (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = theta (6), assembly (3), side (1); out = passive (9), wrist (3), platform_joint (3), p (2),
+ * phi (1), redundant (3). */
 KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
@@ -504,12 +563,14 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (6), measured (2), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6), measured (2), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1). */
 KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at three redundant joints, by linear equations; the orientation as they give it,
  * and made a rotation.  Thesis: 3.2.5, 3.3.
@@ -525,12 +586,14 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (3). */
 KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at two redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
@@ -546,12 +609,15 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], const double measured[2], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (6), measured (2), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (1); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6), measured (2), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch
+ * (1). */
 KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at three redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
@@ -567,12 +633,15 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3(
     const krhpr_planar_rpr2_b_geometry *g, const double s[6], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batch: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (3); steps count doubles (status: ints)
- * from one element to the next and may be 0; status may be NULL.  Returns the first status that is not KRHPR_OK. */
+/* Batches: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch
+ * (3). */
 KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3_soa(
+    const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 #ifdef __cplusplus
 }

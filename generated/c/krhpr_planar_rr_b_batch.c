@@ -15,8 +15,8 @@ static const double mode_default[3] = {1.0, 1.0, 1.0};
 
 /* end_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_end_points_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes redundant[3], krhpr_lanes *KRHPR_RESTRICT s, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
@@ -41,7 +41,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_end_points_lanes(
 KRHPR_API int krhpr_planar_rr_b_end_points_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -61,10 +60,42 @@ KRHPR_API int krhpr_planar_rr_b_end_points_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_end_points_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes s_room[6];
+            double *const s_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_rr_b_end_points_lanes(g, p, phi, redundant, s, &answer);
+            krhpr_poses_done(s_room, s_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_redundant_coordinates_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
@@ -89,7 +120,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_redundant_coordinates_lanes(
 KRHPR_API int krhpr_planar_rr_b_redundant_coordinates_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -109,9 +139,41 @@ KRHPR_API int krhpr_planar_rr_b_redundant_coordinates_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_redundant_coordinates_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes redundant_room[3];
+            double *const redundant_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_planar_rr_b_redundant_coordinates_lanes(g, p, phi, s, redundant, &answer);
+            krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_subleg_forward_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes theta[6], krhpr_lanes *KRHPR_RESTRICT s,
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -137,7 +199,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_subleg_forward_lanes(
 KRHPR_API int krhpr_planar_rr_b_subleg_forward_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -153,9 +214,37 @@ KRHPR_API int krhpr_planar_rr_b_subleg_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_subleg_forward_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes s_room[6];
+            double *const s_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_rr_b_subleg_forward_lanes(g, theta, s, &answer);
+            krhpr_poses_done(s_room, s_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_subleg_inverse_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes s[6], krhpr_lanes *KRHPR_RESTRICT theta,
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -193,7 +282,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_subleg_inverse_lanes(
 KRHPR_API int krhpr_planar_rr_b_subleg_inverse_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -209,10 +297,38 @@ KRHPR_API int krhpr_planar_rr_b_subleg_inverse_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_subleg_inverse_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes theta_room[12];
+            double *const theta_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_rr_b_subleg_inverse_lanes(g, s, theta, &answer);
+            krhpr_poses_done(theta_room, theta_at, row, 12, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_subleg_jacobian_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes s[6], const krhpr_lanes theta[6],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
@@ -240,7 +356,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_subleg_jacobian_lanes(
 KRHPR_API int krhpr_planar_rr_b_subleg_jacobian_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -258,10 +373,40 @@ KRHPR_API int krhpr_planar_rr_b_subleg_jacobian_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_subleg_jacobian_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 6, here);
+            krhpr_lanes M_room[12];
+            double *const M_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const M = krhpr_poses_out(M_room, M_at, row, here);
+            krhpr_planar_rr_b_subleg_jacobian_lanes(g, s, theta, M, &answer);
+            krhpr_poses_done(M_room, M_at, row, 12, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_constraints_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], krhpr_lanes *KRHPR_RESTRICT residual, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
@@ -286,7 +431,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_constraints_lanes(
 KRHPR_API int krhpr_planar_rr_b_constraints_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -306,11 +450,43 @@ KRHPR_API int krhpr_planar_rr_b_constraints_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_constraints_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes residual_room[3];
+            double *const residual_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const residual = krhpr_poses_out(residual_room, residual_at, row, here);
+            krhpr_planar_rr_b_constraints_lanes(g, p, phi, s, residual, &answer);
+            krhpr_poses_done(residual_room, residual_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_jacobians_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], krhpr_lanes *KRHPR_RESTRICT J,
-    krhpr_lanes *KRHPR_RESTRICT K, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -353,7 +529,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_jacobians_lanes(
 KRHPR_API int krhpr_planar_rr_b_jacobians_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -377,11 +552,49 @@ KRHPR_API int krhpr_planar_rr_b_jacobians_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_jacobians_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes J_room[9];
+            double *const J_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes K_room[18];
+            double *const K_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_planar_rr_b_jacobians_lanes(g, p, phi, s, theta, J, K, &answer);
+            krhpr_poses_done(J_room, J_at, row, 9, here);
+            krhpr_poses_done(K_room, K_at, row, 18, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_jacobian_blocks_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], krhpr_lanes *KRHPR_RESTRICT J,
-    krhpr_lanes *KRHPR_RESTRICT K, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -417,7 +630,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_jacobian_blocks_lanes(
 KRHPR_API int krhpr_planar_rr_b_jacobian_blocks_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -441,10 +653,48 @@ KRHPR_API int krhpr_planar_rr_b_jacobian_blocks_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_jacobian_blocks_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes J_room[9];
+            double *const J_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes K_room[6];
+            double *const K_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_planar_rr_b_jacobian_blocks_lanes(g, p, phi, s, theta, J, K, &answer);
+            krhpr_poses_done(J_room, J_at, row, 9, here);
+            krhpr_poses_done(K_room, K_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_inverse_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes redundant[3], const krhpr_lanes mode[3], krhpr_lanes *KRHPR_RESTRICT theta,
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -490,7 +740,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_inverse_lanes(
 KRHPR_API int krhpr_planar_rr_b_inverse_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -512,10 +761,49 @@ KRHPR_API int krhpr_planar_rr_b_inverse_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_inverse_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes mode_room[3];
+            const krhpr_lanes_at *mode = mode_room;
+            if (in[3] != NULL) {
+                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
+            } else {
+                krhpr_poses_load(mode_room, mode_default, 0, 3, here);
+            }
+            krhpr_lanes theta_room[6];
+            double *const theta_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_rr_b_inverse_lanes(g, p, phi, redundant, mode, theta, &answer);
+            krhpr_poses_done(theta_room, theta_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_inverse_all_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes redundant[3], krhpr_lanes *KRHPR_RESTRICT theta, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
@@ -561,7 +849,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_inverse_all_lanes(
 KRHPR_API int krhpr_planar_rr_b_inverse_all_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -581,10 +868,41 @@ KRHPR_API int krhpr_planar_rr_b_inverse_all_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_inverse_all_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes theta_room[12];
+            double *const theta_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_rr_b_inverse_all_lanes(g, p, phi, redundant, theta, &answer);
+            krhpr_poses_done(theta_room, theta_at, row, 12, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_planar_rr_b_inverse_near_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -599,10 +917,43 @@ KRHPR_API int krhpr_planar_rr_b_inverse_near_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_inverse_near_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double p[2];
+            double phi[1];
+            double redundant[3];
+            double theta_near[6];
+            double theta[6];
+            krhpr_pose_load(p, in[0] + b * in_step[0] + k, row, 2);
+            krhpr_pose_load(phi, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(redundant, in[2] + b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near, in[3] + b * in_step[3] + k, row, 6);
+            const int here = krhpr_planar_rr_b_inverse_near(g, p, phi[0], redundant, theta_near, theta);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta, 6);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
+        }
+    }
+    return first;
+}
+
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_inverse_status_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes redundant[3], const krhpr_lanes mode[3], krhpr_lanes *KRHPR_RESTRICT excess,
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -635,7 +986,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_inverse_status_lanes(
 KRHPR_API int krhpr_planar_rr_b_inverse_status_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -657,11 +1007,50 @@ KRHPR_API int krhpr_planar_rr_b_inverse_status_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_inverse_status_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes mode_room[3];
+            const krhpr_lanes_at *mode = mode_room;
+            if (in[3] != NULL) {
+                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
+            } else {
+                krhpr_poses_load(mode_room, mode_default, 0, 3, here);
+            }
+            krhpr_lanes excess_room[3];
+            double *const excess_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const excess = krhpr_poses_out(excess_room, excess_at, row, here);
+            krhpr_planar_rr_b_inverse_status_lanes(g, p, phi, redundant, mode, excess, &answer);
+            krhpr_poses_done(excess_room, excess_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_twist_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], const krhpr_lanes theta_dot[6],
-    krhpr_lanes *KRHPR_RESTRICT twist, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
+    krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -710,7 +1099,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_twist_lanes(
 KRHPR_API int krhpr_planar_rr_b_twist_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -734,11 +1122,47 @@ KRHPR_API int krhpr_planar_rr_b_twist_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_twist_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes theta_dot_room[6];
+            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 6, here);
+            krhpr_lanes twist_room[3];
+            double *const twist_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const twist = krhpr_poses_out(twist_room, twist_at, row, here);
+            krhpr_planar_rr_b_twist_lanes(g, p, phi, s, theta, theta_dot, twist, &answer);
+            krhpr_poses_done(twist_room, twist_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_joint_rates_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], const krhpr_lanes twist[3],
-    const krhpr_lanes redundant_rates[3], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
+    const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -782,7 +1206,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_joint_rates_lanes(
 KRHPR_API int krhpr_planar_rr_b_joint_rates_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -808,12 +1231,51 @@ KRHPR_API int krhpr_planar_rr_b_joint_rates_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_joint_rates_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes twist_room[3];
+            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            krhpr_lanes redundant_rates_room[3];
+            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            krhpr_lanes theta_dot_room[6];
+            double *const theta_dot_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta_dot = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
+            krhpr_planar_rr_b_joint_rates_lanes(
+                g, p, phi, s, theta, twist, redundant_rates, theta_dot, &answer);
+            krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_platform_acceleration_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], const krhpr_lanes twist[3],
-    const krhpr_lanes theta_dot[6], const krhpr_lanes theta_ddot[6], krhpr_lanes *KRHPR_RESTRICT twist_rate,
-    krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
+    const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
+    krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -871,7 +1333,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_platform_acceleration_lanes(
 KRHPR_API int krhpr_planar_rr_b_platform_acceleration_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -900,12 +1361,54 @@ KRHPR_API int krhpr_planar_rr_b_platform_acceleration_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_platform_acceleration_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes twist_room[3];
+            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            krhpr_lanes theta_dot_room[6];
+            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 6, here);
+            krhpr_lanes theta_ddot_room[6];
+            const krhpr_lanes_at *const theta_ddot = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 6, here);
+            krhpr_lanes twist_rate_room[3];
+            double *const twist_rate_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const twist_rate = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
+            krhpr_planar_rr_b_platform_acceleration_lanes(
+                g, p, phi, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
+            krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_joint_accelerations_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], const krhpr_lanes twist[3],
-    const krhpr_lanes redundant_rates[3], const krhpr_lanes theta_dot[6], const krhpr_lanes twist_rate[3],
-    const krhpr_lanes redundant_accelerations[3], krhpr_lanes *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
+    const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[6],
+    const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -959,7 +1462,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_joint_accelerations_lanes(
 KRHPR_API int krhpr_planar_rr_b_joint_accelerations_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -993,11 +1495,57 @@ KRHPR_API int krhpr_planar_rr_b_joint_accelerations_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_joint_accelerations_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes twist_room[3];
+            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            krhpr_lanes redundant_rates_room[3];
+            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            krhpr_lanes theta_dot_room[6];
+            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 6, here);
+            krhpr_lanes twist_rate_room[3];
+            const krhpr_lanes_at *const twist_rate = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 3, here);
+            krhpr_lanes redundant_accelerations_room[3];
+            const krhpr_lanes_at *const redundant_accelerations = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
+            krhpr_lanes theta_ddot_room[6];
+            double *const theta_ddot_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta_ddot = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
+            krhpr_planar_rr_b_joint_accelerations_lanes(
+                g, p, phi, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
+                theta_ddot, &answer);
+            krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_passive_joints_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], krhpr_lanes *KRHPR_RESTRICT wrist,
-    krhpr_lanes *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT wrist,
+    krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -1043,7 +1591,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_passive_joints_lanes(
 KRHPR_API int krhpr_planar_rr_b_passive_joints_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1067,11 +1614,49 @@ KRHPR_API int krhpr_planar_rr_b_passive_joints_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_passive_joints_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes wrist_room[3];
+            double *const wrist_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const wrist = krhpr_poses_out(wrist_room, wrist_at, row, here);
+            krhpr_lanes platform_joint_room[3];
+            double *const platform_joint_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const platform_joint = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
+            krhpr_planar_rr_b_passive_joints_lanes(g, p, phi, s, theta, wrist, platform_joint, &answer);
+            krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
+            krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_link_points_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], krhpr_lanes *KRHPR_RESTRICT points,
-    krhpr_lanes *KRHPR_RESTRICT attachment, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
+    krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -1106,7 +1691,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_link_points_lanes(
 KRHPR_API int krhpr_planar_rr_b_link_points_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1130,12 +1714,50 @@ KRHPR_API int krhpr_planar_rr_b_link_points_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_link_points_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes points_room[18];
+            double *const points_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const points = krhpr_poses_out(points_room, points_at, row, here);
+            krhpr_lanes attachment_room[6];
+            double *const attachment_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const attachment = krhpr_poses_out(attachment_room, attachment_at, row, here);
+            krhpr_planar_rr_b_link_points_lanes(g, p, phi, s, theta, points, attachment, &answer);
+            krhpr_poses_done(points_room, points_at, row, 18, here);
+            krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_singularity_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes p[2], const krhpr_lanes phi[1],
-    const krhpr_lanes s[6], const krhpr_lanes theta[6], krhpr_lanes *KRHPR_RESTRICT type_1,
-    krhpr_lanes *KRHPR_RESTRICT factors, krhpr_lanes *KRHPR_RESTRICT type_2,
-    krhpr_lanes *KRHPR_RESTRICT margins, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT type_1,
+    krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
+    krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
@@ -1178,7 +1800,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_singularity_lanes(
 KRHPR_API int krhpr_planar_rr_b_singularity_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1206,10 +1827,57 @@ KRHPR_API int krhpr_planar_rr_b_singularity_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_singularity_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            krhpr_lanes type_1_room[3];
+            double *const type_1_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const type_1 = krhpr_poses_out(type_1_room, type_1_at, row, here);
+            krhpr_lanes factors_room[3];
+            double *const factors_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const factors = krhpr_poses_out(factors_room, factors_at, row, here);
+            krhpr_lanes type_2_room[1];
+            double *const type_2_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes margins_room[1];
+            double *const margins_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_planar_rr_b_singularity_lanes(
+                g, p, phi, s, theta, type_1, factors, type_2, margins, &answer);
+            krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
+            krhpr_poses_done(factors_room, factors_at, row, 3, here);
+            krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
+            krhpr_poses_done(margins_room, margins_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_type_2_of_redundant_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes redundant[3], krhpr_lanes *KRHPR_RESTRICT type_2,
-    krhpr_lanes *KRHPR_RESTRICT margins, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at redundant[3],
+    krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
@@ -1233,7 +1901,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_type_2_of_redundant_lanes(
 KRHPR_API int krhpr_planar_rr_b_type_2_of_redundant_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1251,11 +1918,43 @@ KRHPR_API int krhpr_planar_rr_b_type_2_of_redundant_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_type_2_of_redundant_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes type_2_room[1];
+            double *const type_2_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes margins_room[1];
+            double *const margins_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_planar_rr_b_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
+            krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
+            krhpr_poses_done(margins_room, margins_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_forward_all_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes s[6], krhpr_lanes *KRHPR_RESTRICT p,
-    krhpr_lanes *KRHPR_RESTRICT phi, krhpr_lanes *KRHPR_RESTRICT redundant,
-    krhpr_lanes *KRHPR_RESTRICT det_J, krhpr_lanes *KRHPR_RESTRICT count, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT p,
+    krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
+    krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6);
@@ -1284,6 +1983,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_forward_all_lanes(
         krhpr_poses_keep(valid, redundant, 6);
         krhpr_poses_keep(valid, det_J, 2);
         krhpr_poses_keep(valid, count, 1);
+        *count = krhpr_where(valid, *count, krhpr_all(0.0));
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     if (krhpr_any(krhpr_not(finite))) {
@@ -1300,7 +2000,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_forward_all_lanes(
 KRHPR_API int krhpr_planar_rr_b_forward_all_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1324,11 +2023,56 @@ KRHPR_API int krhpr_planar_rr_b_forward_all_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_forward_all_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes p_room[4];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes phi_room[2];
+            double *const phi_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes redundant_room[6];
+            double *const redundant_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes det_J_room[2];
+            double *const det_J_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const det_J = krhpr_poses_out(det_J_room, det_J_at, row, here);
+            krhpr_lanes count_room[1];
+            double *const count_at = out[4] + b * out_step[4] + k;
+            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_planar_rr_b_forward_all_lanes(g, s, p, phi, redundant, det_J, count, &answer);
+            krhpr_poses_done(p_room, p_at, row, 4, here);
+            krhpr_poses_done(phi_room, phi_at, row, 2, here);
+            krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
+            krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
+            krhpr_poses_done(count_room, count_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_forward_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes theta[6], const krhpr_lanes side[1],
-    krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT phi, krhpr_lanes *KRHPR_RESTRICT redundant,
-    krhpr_lanes *KRHPR_RESTRICT count, krhpr_lanes *KRHPR_RESTRICT certified, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at theta[6], const krhpr_lanes_at side[1],
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
+    krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(side, 1);
@@ -1384,7 +2128,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_forward_lanes(
 KRHPR_API int krhpr_planar_rr_b_forward_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1410,10 +2153,55 @@ KRHPR_API int krhpr_planar_rr_b_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_forward_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes theta_room[6];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes side_room[1];
+            const krhpr_lanes_at *const side = krhpr_poses_in(side_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes p_room[2];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes phi_room[1];
+            double *const phi_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes redundant_room[3];
+            double *const redundant_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes count_room[1];
+            double *const count_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_lanes certified_room[1];
+            double *const certified_at = out[4] + b * out_step[4] + k;
+            krhpr_lanes_at *const certified = krhpr_poses_out(certified_room, certified_at, row, here);
+            krhpr_planar_rr_b_forward_lanes(g, theta, side, p, phi, redundant, count, certified, &answer);
+            krhpr_poses_done(p_room, p_at, row, 2, here);
+            krhpr_poses_done(phi_room, phi_at, row, 1, here);
+            krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
+            krhpr_poses_done(count_room, count_at, row, 1, here);
+            krhpr_poses_done(certified_room, certified_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_planar_rr_b_passive_joints_of_theta_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -1429,11 +2217,49 @@ KRHPR_API int krhpr_planar_rr_b_passive_joints_of_theta_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_passive_joints_of_theta_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double theta[6];
+            double side[1];
+            double wrist[3];
+            double platform_joint[3];
+            double p[2];
+            double phi[1];
+            double redundant[3];
+            krhpr_pose_load(theta, in[0] + b * in_step[0] + k, row, 6);
+            krhpr_pose_load(side, in[1] + b * in_step[1] + k, row, 1);
+            const int here = krhpr_planar_rr_b_passive_joints_of_theta(
+                g, theta, side[0], wrist, platform_joint, p, phi, redundant);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, wrist, 3);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, platform_joint, 3);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, p, 2);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, phi, 1);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant, 3);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
+        }
+    }
+    return first;
+}
+
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_forward_encoders_2_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes s[6], const krhpr_lanes measured[2],
-    const krhpr_lanes tolerance[1], krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT phi,
-    krhpr_lanes *KRHPR_RESTRICT raw, krhpr_lanes *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
+    const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
+    krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
@@ -1481,7 +2307,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_forward_encoders_2_lanes(
 KRHPR_API int krhpr_planar_rr_b_forward_encoders_2_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1507,11 +2332,56 @@ KRHPR_API int krhpr_planar_rr_b_forward_encoders_2_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_forward_encoders_2_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes measured_room[2];
+            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            krhpr_lanes tolerance_room[1];
+            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes p_room[2];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes phi_room[1];
+            double *const phi_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes raw_room[4];
+            double *const raw_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes mismatch_room[1];
+            double *const mismatch_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_planar_rr_b_forward_encoders_2_lanes(
+                g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
+            krhpr_poses_done(p_room, p_at, row, 2, here);
+            krhpr_poses_done(phi_room, phi_at, row, 1, here);
+            krhpr_poses_done(raw_room, raw_at, row, 4, here);
+            krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rr_b_forward_encoders_3_lanes(
-    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes s[6], const krhpr_lanes measured[3],
-    const krhpr_lanes tolerance[1], krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT phi,
-    krhpr_lanes *KRHPR_RESTRICT raw, krhpr_lanes *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
+    const krhpr_planar_rr_b_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
+    const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
+    krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
@@ -1559,7 +2429,6 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_forward_encoders_3_lanes(
 KRHPR_API int krhpr_planar_rr_b_forward_encoders_3_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1585,10 +2454,54 @@ KRHPR_API int krhpr_planar_rr_b_forward_encoders_3_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_forward_encoders_3_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            krhpr_lanes measured_room[3];
+            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            krhpr_lanes tolerance_room[1];
+            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes p_room[2];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes phi_room[1];
+            double *const phi_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes raw_room[4];
+            double *const raw_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes mismatch_room[3];
+            double *const mismatch_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_planar_rr_b_forward_encoders_3_lanes(
+                g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
+            krhpr_poses_done(p_room, p_at, row, 2, here);
+            krhpr_poses_done(phi_room, phi_at, row, 1, here);
+            krhpr_poses_done(raw_room, raw_at, row, 4, here);
+            krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_planar_rr_b_forward_gauss_newton_2_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -1604,10 +2517,49 @@ KRHPR_API int krhpr_planar_rr_b_forward_gauss_newton_2_batch(
     return first;
 }
 
+KRHPR_API int krhpr_planar_rr_b_forward_gauss_newton_2_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double s[6];
+            double measured[2];
+            double tolerance[1];
+            double weights[3];
+            double p[2];
+            double phi[1];
+            double raw[4];
+            double mismatch[1];
+            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 6);
+            krhpr_pose_load(measured, in[1] + b * in_step[1] + k, row, 2);
+            krhpr_pose_load(tolerance, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(weights, in[3] + b * in_step[3] + k, row, 3);
+            const int here = krhpr_planar_rr_b_forward_gauss_newton_2(
+                g, s, measured, tolerance[0], weights, p, phi, raw, mismatch);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 2);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, phi, 1);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, raw, 4);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, mismatch, 1);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_planar_rr_b_forward_gauss_newton_3_batch(
     const krhpr_planar_rr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -1618,6 +2570,46 @@ KRHPR_API int krhpr_planar_rr_b_forward_gauss_newton_3_batch(
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_planar_rr_b_forward_gauss_newton_3_soa(
+    const krhpr_planar_rr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double s[6];
+            double measured[3];
+            double tolerance[1];
+            double weights[3];
+            double p[2];
+            double phi[1];
+            double raw[4];
+            double mismatch[3];
+            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 6);
+            krhpr_pose_load(measured, in[1] + b * in_step[1] + k, row, 3);
+            krhpr_pose_load(tolerance, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(weights, in[3] + b * in_step[3] + k, row, 3);
+            const int here = krhpr_planar_rr_b_forward_gauss_newton_3(
+                g, s, measured, tolerance[0], weights, p, phi, raw, mismatch);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 2);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, phi, 1);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, raw, 4);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, mismatch, 3);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
         }
     }
     return first;

@@ -11,15 +11,15 @@
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_end_point_angles_lanes(
-    krhpr_lanes redundant, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes redundant, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = redundant;
 }
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_end_point_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
     const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
@@ -37,8 +37,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_end_point_lanes(
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (10 add, 12 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_redundant_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
     const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
@@ -56,8 +56,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_redundant_lanes(
 
 /* Residuals of the constraint equations.  Thesis: (2.1).  (8 add, 7 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_residual_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT residual)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT residual)
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
@@ -72,8 +72,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_residual_lanes(
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_rows_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT J, krhpr_lanes *KRHPR_RESTRICT N)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT N)
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
@@ -91,9 +91,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_rows_lanes(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (15 add, 18 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_line_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT line, krhpr_lanes *KRHPR_RESTRICT point,
-    krhpr_lanes *KRHPR_RESTRICT N, krhpr_lanes *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT line, krhpr_lanes_at *KRHPR_RESTRICT point,
+    krhpr_lanes_at *KRHPR_RESTRICT N, krhpr_lanes_at *KRHPR_RESTRICT scale)
 {
     const krhpr_lanes g_R_p = krhpr_of_leg(g->R_p, i);
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
@@ -122,7 +122,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_line_lanes(
 
 /* Angles whose sines and cosines `line_of_redundant` reads.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_angles_lanes(
-    krhpr_lanes redundant, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes redundant, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = redundant;
 }
@@ -130,8 +130,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_angles_lanes(
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (7 add, 8 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes sine[1], const krhpr_lanes cosine[1],
-    krhpr_lanes *KRHPR_RESTRICT line, krhpr_lanes *KRHPR_RESTRICT point, krhpr_lanes *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT line,
+    krhpr_lanes_at *KRHPR_RESTRICT point, krhpr_lanes_at *KRHPR_RESTRICT scale)
 {
     const krhpr_lanes g_R_p = krhpr_of_leg(g->R_p, i);
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
@@ -157,9 +158,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_lanes(
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (12 add, 8 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_end_velocity_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], const krhpr_lanes twist[3], krhpr_lanes redundant_rates,
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at twist[3], krhpr_lanes redundant_rates,
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
@@ -177,10 +178,10 @@ KRHPR_INLINE void krhpr_platform_planar_a_end_velocity_lanes(
 
 /* Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_end_acceleration_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], const krhpr_lanes twist[3], krhpr_lanes redundant_rates,
-    const krhpr_lanes twist_rate[3], krhpr_lanes redundant_accelerations, krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT s_ddot)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at twist[3], krhpr_lanes redundant_rates,
+    const krhpr_lanes_at twist_rate[3], krhpr_lanes redundant_accelerations,
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT s_ddot)
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
@@ -207,9 +208,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_end_acceleration_lanes(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (19 add, 21 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_row_bias_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], const krhpr_lanes twist[3], const krhpr_lanes s_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at twist[3], const krhpr_lanes_at s_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
@@ -227,9 +228,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_row_bias_lanes(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (10 add, 14 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_joint_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT redundant_link, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT redundant_link,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
     const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
@@ -250,8 +251,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_joint_lanes(
 
 /* Where the redundant link meets the platform.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_attachment_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    krhpr_lanes *KRHPR_RESTRICT attachment)
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    krhpr_lanes_at *KRHPR_RESTRICT attachment)
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
@@ -264,8 +265,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_attachment_lanes(
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_solve_lanes(
-    const krhpr_lanes Q[4], const krhpr_lanes line[9], const krhpr_lanes point[6], const krhpr_lanes rate[3],
-    krhpr_lanes *KRHPR_RESTRICT twist, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
+    const krhpr_lanes_at rate[3], krhpr_lanes_at *KRHPR_RESTRICT twist,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes t1 = line[4] * line[8] - line[5] * line[7];
     const krhpr_lanes t2 = line[5] * line[6] - line[3] * line[8];
@@ -292,8 +294,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_solve_lanes(
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 15 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_type_2_lanes(
-    const krhpr_lanes line[9], const krhpr_lanes point[6], const krhpr_lanes scale[6],
-    krhpr_lanes *KRHPR_RESTRICT type_2, krhpr_lanes *KRHPR_RESTRICT margins)
+    const krhpr_lanes_at line[9], const krhpr_lanes_at point[6], const krhpr_lanes_at scale[6],
+    krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins)
 {
     (void)(point);
     const krhpr_lanes t1 = line[0] * (line[4] * line[8] - line[5] * line[7]) + line[1] * (line[5] * line[6] - line[3] * line[8]);
@@ -305,8 +307,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_type_2_lanes(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_tie_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT anchor,
-    krhpr_lanes *KRHPR_RESTRICT length)
+    const krhpr_platform_planar_a_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT anchor,
+    krhpr_lanes_at *KRHPR_RESTRICT length)
 {
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
@@ -319,8 +321,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_tie_lanes(
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
  * 138 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes anchor[6], const krhpr_lanes length[3],
-    krhpr_lanes *KRHPR_RESTRICT points, krhpr_lanes *KRHPR_RESTRICT sextic)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
+    krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT sextic)
 {
     const krhpr_lanes d_2_0 = anchor[2] - anchor[0];
     const krhpr_lanes d_2_1 = anchor[3] - anchor[1];
@@ -421,10 +423,10 @@ KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
 /* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9 divide, 2
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
-    const krhpr_lanes root[2], const krhpr_lanes s[6], const krhpr_lanes anchor[6],
-    const krhpr_lanes length[3], const krhpr_lanes points[6], krhpr_lanes *KRHPR_RESTRICT p,
-    krhpr_lanes *KRHPR_RESTRICT det_J, krhpr_lanes *KRHPR_RESTRICT miss, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at root[2], const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6],
+    const krhpr_lanes_at length[3], const krhpr_lanes_at points[6], krhpr_lanes_at *KRHPR_RESTRICT p,
+    krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT miss,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes d_2_0 = anchor[2] - anchor[0];
     const krhpr_lanes d_2_1 = anchor[3] - anchor[1];
@@ -568,8 +570,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
 /* Where a box holds one solution: margins that are all at least zero there.  Thesis: errata 4, (1.35).  (32
  * add, 28 multiply, 3 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_uniqueness_lanes(
-    const krhpr_lanes anchor[6], const krhpr_lanes length[3], const krhpr_lanes box[6],
-    krhpr_lanes *KRHPR_RESTRICT certificate)
+    const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3], const krhpr_lanes_at box[6],
+    krhpr_lanes_at *KRHPR_RESTRICT certificate)
 {
     const krhpr_lanes R_1 = anchor[0] * anchor[0] + anchor[1] * anchor[1];
     const krhpr_lanes R_2 = anchor[2] * anchor[2] + anchor[3] * anchor[3];
@@ -611,10 +613,10 @@ KRHPR_INLINE void krhpr_platform_planar_a_uniqueness_lanes(
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
  * 3.2.2, (3.4) to (3.9).  (73 add, 101 multiply, 4 divide, 7 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_planar_a_newton_start_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes anchor[6], const krhpr_lanes length[3],
-    const krhpr_lanes p_near[2], const krhpr_lanes Q_near[4], krhpr_lanes *KRHPR_RESTRICT points,
-    krhpr_lanes *KRHPR_RESTRICT centre, krhpr_lanes *KRHPR_RESTRICT start,
-    krhpr_lanes *KRHPR_RESTRICT kantorovich)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
+    const krhpr_lanes_at p_near[2], const krhpr_lanes_at Q_near[4], krhpr_lanes_at *KRHPR_RESTRICT points,
+    krhpr_lanes_at *KRHPR_RESTRICT centre, krhpr_lanes_at *KRHPR_RESTRICT start,
+    krhpr_lanes_at *KRHPR_RESTRICT kantorovich)
 {
     const krhpr_lanes d_2_0 = anchor[2] - anchor[0];
     const krhpr_lanes d_2_1 = anchor[3] - anchor[1];
@@ -691,7 +693,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_start_lanes(
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_newton_step_angles_lanes(
-    const krhpr_lanes state[5], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at state[5], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = state[0];
 }
@@ -699,9 +701,10 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_step_angles_lanes(
 /* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_a_newton_step_lanes(
-    const krhpr_lanes state[5], const krhpr_lanes centre[2], const krhpr_lanes anchor[6],
-    const krhpr_lanes length[3], const krhpr_lanes points[6], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[5], const krhpr_lanes_at centre[2], const krhpr_lanes_at anchor[6],
+    const krhpr_lanes_at length[3], const krhpr_lanes_at points[6], const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT state_next,
+    krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes d_2_0 = anchor[2] - anchor[0];
     const krhpr_lanes d_2_1 = anchor[3] - anchor[1];
@@ -755,9 +758,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_step_lanes(
 
 /* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (36 add, 36 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_newton_pose_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes state[5], const krhpr_lanes anchor[6],
-    const krhpr_lanes points[6], krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at state[5], const krhpr_lanes_at anchor[6],
+    const krhpr_lanes_at points[6], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes t1 = anchor[2] - anchor[0];
     const krhpr_lanes t2 = anchor[3] - anchor[1];
@@ -795,7 +798,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_pose_lanes(
 
 /* The redundant link where its angle is a half turn.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_arm_lanes(
-    const krhpr_platform_planar_a_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT arm)
+    const krhpr_platform_planar_a_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT arm)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
@@ -805,14 +808,14 @@ KRHPR_INLINE void krhpr_platform_planar_a_arm_lanes(
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_turns_1_angles_lanes(
-    const krhpr_lanes measured[1], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at measured[1], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_turns_1_lanes(
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT turns)
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
     turns[1] = sine[0];
@@ -820,7 +823,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_turns_1_lanes(
 
 /* Angles whose sines and cosines `turns_2` reads.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_turns_2_angles_lanes(
-    const krhpr_lanes measured[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at measured[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
     angle[1] = measured[1];
@@ -828,7 +831,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_turns_2_angles_lanes(
 
 /* Cosines and sines of measured angles.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_turns_2_lanes(
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT turns)
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
     turns[1] = sine[0];
@@ -838,7 +841,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_turns_2_lanes(
 
 /* Angles whose sines and cosines `turns_3` reads.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_turns_3_angles_lanes(
-    const krhpr_lanes measured[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at measured[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
     angle[1] = measured[1];
@@ -847,7 +850,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_turns_3_angles_lanes(
 
 /* Cosines and sines of measured angles.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_a_turns_3_lanes(
-    const krhpr_lanes sine[3], const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT turns)
+    const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
     turns[1] = sine[0];
@@ -860,11 +863,11 @@ KRHPR_INLINE void krhpr_platform_planar_a_turns_3_lanes(
 /* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54 multiply, 2
  * divide, 3 square root, 4 select) */
 KRHPR_INLINE void krhpr_platform_planar_a_one_encoder_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes turns[2], const krhpr_lanes anchor[6],
-    const krhpr_lanes length[3], const krhpr_lanes arm[6], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT p,
-    krhpr_lanes *KRHPR_RESTRICT mismatch, krhpr_lanes *KRHPR_RESTRICT agreement,
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at turns[2], const krhpr_lanes_at anchor[6],
+    const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT p,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
     const krhpr_lanes e_1_1 = anchor[1] + turns[1] * arm[0] - turns[0] * arm[1];
@@ -929,11 +932,11 @@ KRHPR_INLINE void krhpr_platform_planar_a_one_encoder_lanes(
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (27 add, 26 multiply, 2 divide, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_planar_a_two_encoders_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes turns[4], const krhpr_lanes anchor[6],
-    const krhpr_lanes length[3], const krhpr_lanes arm[6], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT points, krhpr_lanes *KRHPR_RESTRICT ends, krhpr_lanes *KRHPR_RESTRICT spread,
-    krhpr_lanes *KRHPR_RESTRICT linear, krhpr_lanes *KRHPR_RESTRICT mismatch,
-    krhpr_lanes *KRHPR_RESTRICT agreement)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at turns[4], const krhpr_lanes_at anchor[6],
+    const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT ends,
+    krhpr_lanes_at *KRHPR_RESTRICT spread, krhpr_lanes_at *KRHPR_RESTRICT linear,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement)
 {
     (void)(length);
     const krhpr_lanes e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
@@ -979,11 +982,11 @@ KRHPR_INLINE void krhpr_platform_planar_a_two_encoders_lanes(
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (41 add, 44 multiply, 2 divide, 6 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_planar_a_three_encoders_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes turns[6], const krhpr_lanes anchor[6],
-    const krhpr_lanes length[3], const krhpr_lanes arm[6], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT points, krhpr_lanes *KRHPR_RESTRICT ends, krhpr_lanes *KRHPR_RESTRICT spread,
-    krhpr_lanes *KRHPR_RESTRICT linear, krhpr_lanes *KRHPR_RESTRICT mismatch,
-    krhpr_lanes *KRHPR_RESTRICT agreement)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at turns[6], const krhpr_lanes_at anchor[6],
+    const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT ends,
+    krhpr_lanes_at *KRHPR_RESTRICT spread, krhpr_lanes_at *KRHPR_RESTRICT linear,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement)
 {
     (void)(length);
     const krhpr_lanes e_1_0 = anchor[0] - turns[0] * arm[0] - turns[1] * arm[1]; /* S_i in the platform frame */
@@ -1048,9 +1051,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_three_encoders_lanes(
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8
  * divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_gauss_newton_2_lanes(
-    const krhpr_lanes state[6], const krhpr_lanes weights[3], const krhpr_lanes points[6],
-    const krhpr_lanes ends[4], const krhpr_lanes anchor[6], const krhpr_lanes length[3],
-    krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[6], const krhpr_lanes_at weights[3], const krhpr_lanes_at points[6],
+    const krhpr_lanes_at ends[4], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
+    krhpr_lanes_at *KRHPR_RESTRICT state_next, krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
     const krhpr_lanes f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
@@ -1170,8 +1173,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_gauss_newton_2_lanes(
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_gauss_newton_3_lanes(
-    const krhpr_lanes state[6], const krhpr_lanes weights[3], const krhpr_lanes points[6],
-    const krhpr_lanes ends[6], krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[6], const krhpr_lanes_at weights[3], const krhpr_lanes_at points[6],
+    const krhpr_lanes_at ends[6], krhpr_lanes_at *KRHPR_RESTRICT state_next,
+    krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
     const krhpr_lanes f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
@@ -1274,9 +1278,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_gauss_newton_3_lanes(
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_a_encoder_pose_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes state[6], krhpr_lanes *KRHPR_RESTRICT direction,
-    krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT raw, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at state[6], krhpr_lanes_at *KRHPR_RESTRICT direction,
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT raw,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes square = state[0] * state[0] + state[1] * state[1];
     const krhpr_lanes norm = 1.0 / krhpr_lanes_sqrt(square);

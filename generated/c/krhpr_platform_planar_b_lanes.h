@@ -11,8 +11,8 @@
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (6 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_end_point_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    krhpr_lanes redundant, krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    krhpr_lanes redundant, krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -26,8 +26,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_end_point_lanes(
 
 /* Redundant coordinate: slide delta_i along t_i, from b_i, signed.  (7 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_redundant_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT redundant)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT redundant)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -40,8 +40,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_redundant_lanes(
 
 /* Residuals of the constraint equations.  Thesis: (2.8).  (7 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_residual_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT residual)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT residual)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -56,8 +56,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_residual_lanes(
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (5 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_rows_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT J, krhpr_lanes *KRHPR_RESTRICT N)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT N)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -75,9 +75,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_rows_lanes(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (9 add, 14 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_line_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT line, krhpr_lanes *KRHPR_RESTRICT point,
-    krhpr_lanes *KRHPR_RESTRICT N, krhpr_lanes *KRHPR_RESTRICT scale)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT line, krhpr_lanes_at *KRHPR_RESTRICT point,
+    krhpr_lanes_at *KRHPR_RESTRICT N, krhpr_lanes_at *KRHPR_RESTRICT scale)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -104,7 +104,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_line_lanes(
  * (1.34).  (3 add, 4 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_line_of_redundant_lanes(
     const krhpr_platform_planar_b_geometry *g, int i, krhpr_lanes redundant,
-    krhpr_lanes *KRHPR_RESTRICT line, krhpr_lanes *KRHPR_RESTRICT point, krhpr_lanes *KRHPR_RESTRICT scale)
+    krhpr_lanes_at *KRHPR_RESTRICT line, krhpr_lanes_at *KRHPR_RESTRICT point,
+    krhpr_lanes_at *KRHPR_RESTRICT scale)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -125,9 +126,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_line_of_redundant_lanes(
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (8 add, 8 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_end_velocity_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], const krhpr_lanes twist[3], krhpr_lanes redundant_rates,
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at twist[3], krhpr_lanes redundant_rates,
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -143,10 +144,10 @@ KRHPR_INLINE void krhpr_platform_planar_b_end_velocity_lanes(
 
 /* Velocity and acceleration of the end point from those of the platform.  (20 add, 24 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_end_acceleration_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], const krhpr_lanes twist[3], krhpr_lanes redundant_rates,
-    const krhpr_lanes twist_rate[3], krhpr_lanes redundant_accelerations, krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT s_ddot)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at twist[3], krhpr_lanes redundant_rates,
+    const krhpr_lanes_at twist_rate[3], krhpr_lanes redundant_accelerations,
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT s_ddot)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -169,9 +170,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_end_acceleration_lanes(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (15 add, 21 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_row_bias_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], const krhpr_lanes twist[3], const krhpr_lanes s_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at twist[3], const krhpr_lanes_at s_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -187,9 +188,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_row_bias_lanes(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (9 add, 10 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_joint_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes p[2], const krhpr_lanes Q[4],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT redundant_link,
-    krhpr_lanes *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT redundant_link,
+    krhpr_lanes_at *KRHPR_RESTRICT platform_joint)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -206,8 +207,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_joint_lanes(
 
 /* Where the redundant link meets the platform.  (4 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_attachment_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes Q[4], const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT attachment)
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at Q[4], const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT attachment)
 {
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
@@ -221,8 +222,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_attachment_lanes(
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_b_solve_lanes(
-    const krhpr_lanes Q[4], const krhpr_lanes line[9], const krhpr_lanes point[6], const krhpr_lanes rate[3],
-    krhpr_lanes *KRHPR_RESTRICT twist, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
+    const krhpr_lanes_at rate[3], krhpr_lanes_at *KRHPR_RESTRICT twist,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes t1 = line[4] * line[8] - line[5] * line[7];
     const krhpr_lanes t2 = line[5] * line[6] - line[3] * line[8];
@@ -250,8 +252,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_solve_lanes(
  * (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point).  Thesis: 1.4, 2.3.2.  (5 add,
  * 9 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_b_type_2_lanes(
-    const krhpr_lanes line[9], const krhpr_lanes point[6], const krhpr_lanes scale[6],
-    krhpr_lanes *KRHPR_RESTRICT type_2, krhpr_lanes *KRHPR_RESTRICT margins)
+    const krhpr_lanes_at line[9], const krhpr_lanes_at point[6], const krhpr_lanes_at scale[6],
+    krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins)
 {
     (void)(point);
     (void)(scale);
@@ -263,8 +265,8 @@ KRHPR_INLINE void krhpr_platform_planar_b_type_2_lanes(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 KRHPR_INLINE void krhpr_platform_planar_b_tie_lanes(
-    const krhpr_platform_planar_b_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT slide,
-    krhpr_lanes *KRHPR_RESTRICT distance, krhpr_lanes *KRHPR_RESTRICT start)
+    const krhpr_platform_planar_b_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT slide,
+    krhpr_lanes_at *KRHPR_RESTRICT distance, krhpr_lanes_at *KRHPR_RESTRICT start)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -279,10 +281,12 @@ KRHPR_INLINE void krhpr_platform_planar_b_tie_lanes(
 /* Both poses of the platform that hold the three end points.  Thesis: (2.8).  (94 add, 124 multiply, 3
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_platform_planar_b_assembly_modes_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes slide[6], const krhpr_lanes distance[3],
-    const krhpr_lanes start[3], krhpr_lanes *KRHPR_RESTRICT breadth, krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_lanes *KRHPR_RESTRICT det_J,
-    krhpr_lanes *KRHPR_RESTRICT count, krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
+    const krhpr_lanes_at start[3], krhpr_lanes_at *KRHPR_RESTRICT breadth,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT p,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
+    krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -373,12 +377,12 @@ KRHPR_INLINE void krhpr_platform_planar_b_assembly_modes_lanes(
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.8).  (58
  * add, 84 multiply, 4 divide, 1 square root) */
 KRHPR_INLINE void krhpr_platform_planar_b_assembly_mode_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes slide[6], const krhpr_lanes distance[3],
-    const krhpr_lanes start[3], krhpr_lanes side, krhpr_lanes *KRHPR_RESTRICT breadth,
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT sign, krhpr_lanes *KRHPR_RESTRICT p,
-    krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_lanes *KRHPR_RESTRICT count,
-    krhpr_lanes *KRHPR_RESTRICT certified, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
+    const krhpr_lanes_at start[3], krhpr_lanes side, krhpr_lanes_at *KRHPR_RESTRICT breadth,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT sign,
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT redundant,
+    krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_lanes_at *KRHPR_RESTRICT certified,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -434,11 +438,11 @@ KRHPR_INLINE void krhpr_platform_planar_b_assembly_mode_lanes(
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_planar_b_two_encoders_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes measured[2], const krhpr_lanes slide[6],
-    const krhpr_lanes distance[3], const krhpr_lanes start[3], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT points, krhpr_lanes *KRHPR_RESTRICT ends, krhpr_lanes *KRHPR_RESTRICT spread,
-    krhpr_lanes *KRHPR_RESTRICT linear, krhpr_lanes *KRHPR_RESTRICT mismatch,
-    krhpr_lanes *KRHPR_RESTRICT agreement)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2], const krhpr_lanes_at slide[6],
+    const krhpr_lanes_at distance[3], const krhpr_lanes_at start[3], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT ends,
+    krhpr_lanes_at *KRHPR_RESTRICT spread, krhpr_lanes_at *KRHPR_RESTRICT linear,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement)
 {
     const krhpr_lanes t1 = measured[0] + start[0];
     const krhpr_lanes e_1_0 = slide[0] * t1 - slide[1] * distance[0]; /* S_i in the platform frame */
@@ -485,11 +489,11 @@ KRHPR_INLINE void krhpr_platform_planar_b_two_encoders_lanes(
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (38 add, 44 multiply, 2 divide, 6 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_planar_b_three_encoders_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes measured[3], const krhpr_lanes slide[6],
-    const krhpr_lanes distance[3], const krhpr_lanes start[3], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT points, krhpr_lanes *KRHPR_RESTRICT ends, krhpr_lanes *KRHPR_RESTRICT spread,
-    krhpr_lanes *KRHPR_RESTRICT linear, krhpr_lanes *KRHPR_RESTRICT mismatch,
-    krhpr_lanes *KRHPR_RESTRICT agreement)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3], const krhpr_lanes_at slide[6],
+    const krhpr_lanes_at distance[3], const krhpr_lanes_at start[3], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT ends,
+    krhpr_lanes_at *KRHPR_RESTRICT spread, krhpr_lanes_at *KRHPR_RESTRICT linear,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement)
 {
     const krhpr_lanes t1 = measured[0] + start[0];
     const krhpr_lanes e_1_0 = slide[0] * t1 - slide[1] * distance[0]; /* S_i in the platform frame */
@@ -556,9 +560,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_three_encoders_lanes(
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (162 add, 265 multiply, 7
  * divide) */
 KRHPR_INLINE void krhpr_platform_planar_b_gauss_newton_2_lanes(
-    const krhpr_lanes state[6], const krhpr_lanes weights[3], const krhpr_lanes points[6],
-    const krhpr_lanes ends[4], const krhpr_lanes slide[6], const krhpr_lanes distance[3],
-    krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[6], const krhpr_lanes_at weights[3], const krhpr_lanes_at points[6],
+    const krhpr_lanes_at ends[4], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
+    krhpr_lanes_at *KRHPR_RESTRICT state_next, krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
     const krhpr_lanes f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
@@ -676,8 +680,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_gauss_newton_2_lanes(
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
 KRHPR_INLINE void krhpr_platform_planar_b_gauss_newton_3_lanes(
-    const krhpr_lanes state[6], const krhpr_lanes weights[3], const krhpr_lanes points[6],
-    const krhpr_lanes ends[6], krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[6], const krhpr_lanes_at weights[3], const krhpr_lanes_at points[6],
+    const krhpr_lanes_at ends[6], krhpr_lanes_at *KRHPR_RESTRICT state_next,
+    krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
     const krhpr_lanes f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
@@ -780,9 +785,9 @@ KRHPR_INLINE void krhpr_platform_planar_b_gauss_newton_3_lanes(
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_b_encoder_pose_lanes(
-    const krhpr_lanes s[6], const krhpr_lanes state[6], krhpr_lanes *KRHPR_RESTRICT direction,
-    krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT raw, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_lanes_at s[6], const krhpr_lanes_at state[6], krhpr_lanes_at *KRHPR_RESTRICT direction,
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT raw,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes square = state[0] * state[0] + state[1] * state[1];
     const krhpr_lanes norm = 1.0 / krhpr_lanes_sqrt(square);

@@ -11,8 +11,8 @@
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_end_point_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    krhpr_lanes redundant, krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    krhpr_lanes redundant, krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -27,8 +27,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_end_point_lanes(
 
 /* Redundant coordinate: slide d_i of S_i along t_i = e_t, signed.  (10 add, 9 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_redundant_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT redundant)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT redundant)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -43,8 +43,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_redundant_lanes(
 
 /* Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (12 add, 12 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_residual_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT residual)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT residual)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -62,8 +62,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_residual_lanes(
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (12 add, 18 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_rows_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT J, krhpr_lanes *KRHPR_RESTRICT N)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT N)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -96,9 +96,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_rows_lanes(
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (21 add, 30 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_line_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT line, krhpr_lanes *KRHPR_RESTRICT point,
-    krhpr_lanes *KRHPR_RESTRICT N, krhpr_lanes *KRHPR_RESTRICT scale)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT line, krhpr_lanes_at *KRHPR_RESTRICT point,
+    krhpr_lanes_at *KRHPR_RESTRICT N, krhpr_lanes_at *KRHPR_RESTRICT scale)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -136,7 +136,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_line_lanes(
  * (1.34).  (3 add, 4 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_line_of_redundant_lanes(
     const krhpr_platform_spatial_b_geometry *g, int i, krhpr_lanes redundant,
-    krhpr_lanes *KRHPR_RESTRICT line, krhpr_lanes *KRHPR_RESTRICT point, krhpr_lanes *KRHPR_RESTRICT scale)
+    krhpr_lanes_at *KRHPR_RESTRICT line, krhpr_lanes_at *KRHPR_RESTRICT point,
+    krhpr_lanes_at *KRHPR_RESTRICT scale)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -160,9 +161,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_line_of_redundant_lanes(
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_end_velocity_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], const krhpr_lanes twist[6], krhpr_lanes redundant_rates,
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], const krhpr_lanes_at twist[6], krhpr_lanes redundant_rates,
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -182,10 +183,10 @@ KRHPR_INLINE void krhpr_platform_spatial_b_end_velocity_lanes(
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_end_acceleration_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], const krhpr_lanes twist[6], krhpr_lanes redundant_rates,
-    const krhpr_lanes twist_rate[6], krhpr_lanes redundant_accelerations, krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT s_ddot)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], const krhpr_lanes_at twist[6], krhpr_lanes redundant_rates,
+    const krhpr_lanes_at twist_rate[6], krhpr_lanes redundant_accelerations,
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT s_ddot)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -221,9 +222,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_end_acceleration_lanes(
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (55 add, 72 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_row_bias_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], const krhpr_lanes twist[6], const krhpr_lanes s_dot[3],
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], const krhpr_lanes_at twist[6], const krhpr_lanes_at s_dot[3],
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -252,9 +253,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_row_bias_lanes(
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (13 add, 15 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_joint_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT redundant_link,
-    krhpr_lanes *KRHPR_RESTRICT platform_joint)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT redundant_link,
+    krhpr_lanes_at *KRHPR_RESTRICT platform_joint)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -281,8 +282,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_joint_lanes(
 
 /* Where the redundant link meets the platform.  (6 add, 9 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_attachment_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes Q[9], const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT attachment)
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at Q[9], const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT attachment)
 {
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
@@ -298,8 +299,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_attachment_lanes(
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
 KRHPR_INLINE void krhpr_platform_spatial_b_solve_lanes(
-    const krhpr_lanes Q[9], const krhpr_lanes line[18], const krhpr_lanes point[6],
-    const krhpr_lanes rate[6], krhpr_lanes *KRHPR_RESTRICT twist, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_lanes_at Q[9], const krhpr_lanes_at line[18], const krhpr_lanes_at point[6],
+    const krhpr_lanes_at rate[6], krhpr_lanes_at *KRHPR_RESTRICT twist,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes t1 = point[4] - point[2];
     const krhpr_lanes t2 = point[2] * point[5];
@@ -347,8 +349,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_solve_lanes(
  * 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120
  * deg).  Thesis: 1.4, 2.3.2.  (10 add, 13 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_b_type_2_lanes(
-    const krhpr_lanes line[18], const krhpr_lanes point[6], const krhpr_lanes scale[6],
-    krhpr_lanes *KRHPR_RESTRICT type_2, krhpr_lanes *KRHPR_RESTRICT margins)
+    const krhpr_lanes_at line[18], const krhpr_lanes_at point[6], const krhpr_lanes_at scale[6],
+    krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins)
 {
     (void)(scale);
     const krhpr_lanes t1 = line[0] * (line[7] * line[17] - line[11] * line[13]) + line[1] * (line[11] * line[12] - line[6] * line[17]);
@@ -363,8 +365,8 @@ KRHPR_INLINE void krhpr_platform_spatial_b_type_2_lanes(
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 KRHPR_INLINE void krhpr_platform_spatial_b_tie_lanes(
-    const krhpr_platform_spatial_b_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT slide,
-    krhpr_lanes *KRHPR_RESTRICT distance, krhpr_lanes *KRHPR_RESTRICT start)
+    const krhpr_platform_spatial_b_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT slide,
+    krhpr_lanes_at *KRHPR_RESTRICT distance, krhpr_lanes_at *KRHPR_RESTRICT start)
 {
     const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
     const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
@@ -379,12 +381,12 @@ KRHPR_INLINE void krhpr_platform_spatial_b_tie_lanes(
 /* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (143 add, 214
  * multiply, 6 divide, 3 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_b_assembly_modes_lanes(
-    const krhpr_lanes s[9], const krhpr_lanes slide[6], const krhpr_lanes distance[3],
-    const krhpr_lanes start[3], krhpr_lanes turned, krhpr_lanes *KRHPR_RESTRICT sign,
-    krhpr_lanes *KRHPR_RESTRICT flatness, krhpr_lanes *KRHPR_RESTRICT breadth,
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q,
-    krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_lanes *KRHPR_RESTRICT det_J,
-    krhpr_lanes *KRHPR_RESTRICT count)
+    const krhpr_lanes_at s[9], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
+    const krhpr_lanes_at start[3], krhpr_lanes turned, krhpr_lanes_at *KRHPR_RESTRICT sign,
+    krhpr_lanes_at *KRHPR_RESTRICT flatness, krhpr_lanes_at *KRHPR_RESTRICT breadth,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT p,
+    krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT redundant,
+    krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT count)
 {
     const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -529,12 +531,12 @@ KRHPR_INLINE void krhpr_platform_spatial_b_assembly_modes_lanes(
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
  * (2.21).  (86 add, 140 multiply, 7 divide, 3 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_b_assembly_mode_lanes(
-    const krhpr_lanes s[9], const krhpr_lanes slide[6], const krhpr_lanes distance[3],
-    const krhpr_lanes start[3], krhpr_lanes side, krhpr_lanes *KRHPR_RESTRICT flatness,
-    krhpr_lanes *KRHPR_RESTRICT breadth, krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT sign, krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q,
-    krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_lanes *KRHPR_RESTRICT count,
-    krhpr_lanes *KRHPR_RESTRICT certified)
+    const krhpr_lanes_at s[9], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
+    const krhpr_lanes_at start[3], krhpr_lanes side, krhpr_lanes_at *KRHPR_RESTRICT flatness,
+    krhpr_lanes_at *KRHPR_RESTRICT breadth, krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT sign, krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
+    krhpr_lanes_at *KRHPR_RESTRICT certified)
 {
     const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
     const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
@@ -629,12 +631,12 @@ KRHPR_INLINE void krhpr_platform_spatial_b_assembly_mode_lanes(
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (47 add, 72 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_b_two_encoders_lanes(
-    const krhpr_lanes s[9], const krhpr_lanes measured[2], const krhpr_lanes slide[6],
-    const krhpr_lanes distance[3], const krhpr_lanes start[3], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT flatness, krhpr_lanes *KRHPR_RESTRICT points,
-    krhpr_lanes *KRHPR_RESTRICT axes, krhpr_lanes *KRHPR_RESTRICT ends, krhpr_lanes *KRHPR_RESTRICT spread,
-    krhpr_lanes *KRHPR_RESTRICT linear, krhpr_lanes *KRHPR_RESTRICT mismatch,
-    krhpr_lanes *KRHPR_RESTRICT agreement)
+    const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2], const krhpr_lanes_at slide[6],
+    const krhpr_lanes_at distance[3], const krhpr_lanes_at start[3], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT flatness, krhpr_lanes_at *KRHPR_RESTRICT points,
+    krhpr_lanes_at *KRHPR_RESTRICT axes, krhpr_lanes_at *KRHPR_RESTRICT ends,
+    krhpr_lanes_at *KRHPR_RESTRICT spread, krhpr_lanes_at *KRHPR_RESTRICT linear,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement)
 {
     const krhpr_lanes t1 = measured[0] + start[0];
     const krhpr_lanes e_1_0 = slide[1] * distance[0] + slide[0] * t1; /* S_i in the platform frame */
@@ -715,12 +717,12 @@ KRHPR_INLINE void krhpr_platform_spatial_b_two_encoders_lanes(
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (62 add, 88 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_spatial_b_three_encoders_lanes(
-    const krhpr_lanes s[9], const krhpr_lanes measured[3], const krhpr_lanes slide[6],
-    const krhpr_lanes distance[3], const krhpr_lanes start[3], krhpr_lanes tolerance,
-    krhpr_lanes *KRHPR_RESTRICT flatness, krhpr_lanes *KRHPR_RESTRICT points,
-    krhpr_lanes *KRHPR_RESTRICT axes, krhpr_lanes *KRHPR_RESTRICT ends, krhpr_lanes *KRHPR_RESTRICT spread,
-    krhpr_lanes *KRHPR_RESTRICT linear, krhpr_lanes *KRHPR_RESTRICT mismatch,
-    krhpr_lanes *KRHPR_RESTRICT agreement)
+    const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3], const krhpr_lanes_at slide[6],
+    const krhpr_lanes_at distance[3], const krhpr_lanes_at start[3], krhpr_lanes tolerance,
+    krhpr_lanes_at *KRHPR_RESTRICT flatness, krhpr_lanes_at *KRHPR_RESTRICT points,
+    krhpr_lanes_at *KRHPR_RESTRICT axes, krhpr_lanes_at *KRHPR_RESTRICT ends,
+    krhpr_lanes_at *KRHPR_RESTRICT spread, krhpr_lanes_at *KRHPR_RESTRICT linear,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_lanes_at *KRHPR_RESTRICT agreement)
 {
     const krhpr_lanes t1 = measured[0] + start[0];
     const krhpr_lanes e_1_0 = slide[1] * distance[0] + slide[0] * t1; /* S_i in the platform frame */
@@ -826,9 +828,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_three_encoders_lanes(
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (162 add, 265 multiply, 7
  * divide) */
 KRHPR_INLINE void krhpr_platform_spatial_b_gauss_newton_2_lanes(
-    const krhpr_lanes state[6], const krhpr_lanes weights[3], const krhpr_lanes points[6],
-    const krhpr_lanes ends[4], const krhpr_lanes slide[6], const krhpr_lanes distance[3],
-    krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[6], const krhpr_lanes_at weights[3], const krhpr_lanes_at points[6],
+    const krhpr_lanes_at ends[4], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
+    krhpr_lanes_at *KRHPR_RESTRICT state_next, krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
     const krhpr_lanes f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
@@ -946,8 +948,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_gauss_newton_2_lanes(
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
 KRHPR_INLINE void krhpr_platform_spatial_b_gauss_newton_3_lanes(
-    const krhpr_lanes state[6], const krhpr_lanes weights[3], const krhpr_lanes points[6],
-    const krhpr_lanes ends[6], krhpr_lanes *KRHPR_RESTRICT state_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_lanes_at state[6], const krhpr_lanes_at weights[3], const krhpr_lanes_at points[6],
+    const krhpr_lanes_at ends[6], krhpr_lanes_at *KRHPR_RESTRICT state_next,
+    krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes f_1_0 = state[4] + state[0] * ends[0] + state[2] * ends[1] - points[0]; /* of s_i = p + Q d_i */
     const krhpr_lanes f_1_1 = state[5] + state[1] * ends[0] + state[3] * ends[1] - points[1];
@@ -1050,9 +1053,9 @@ KRHPR_INLINE void krhpr_platform_spatial_b_gauss_newton_3_lanes(
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_platform_spatial_b_encoder_pose_lanes(
-    const krhpr_lanes s[9], const krhpr_lanes state[6], const krhpr_lanes axes[9],
-    krhpr_lanes *KRHPR_RESTRICT direction, krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q,
-    krhpr_lanes *KRHPR_RESTRICT raw)
+    const krhpr_lanes_at s[9], const krhpr_lanes_at state[6], const krhpr_lanes_at axes[9],
+    krhpr_lanes_at *KRHPR_RESTRICT direction, krhpr_lanes_at *KRHPR_RESTRICT p,
+    krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw)
 {
     const krhpr_lanes square = state[0] * state[0] + state[1] * state[1];
     const krhpr_lanes norm = 1.0 / krhpr_lanes_sqrt(square);

@@ -14,40 +14,150 @@
 #include "krhpr_lanes.h"
 
 #if KRHPR_LANES > 1 && defined(KRHPR_SHUFFLE)
-/* KRHPR_LANES vectors as a square matrix: its transpose, in place. */
-KRHPR_INLINE void krhpr_turn(krhpr_lanes *x)
+#define KRHPR_TURNS_IN_REGISTERS
+/* Two numbers of each of KRHPR_LANES poses, turned in registers: even poses and odd ones are put one behind the other. */
+KRHPR_INLINE krhpr_pair_at krhpr_pair(const double *from)
 {
-    krhpr_lanes y[KRHPR_LANES];
+    return *(const krhpr_pair_at *)from;
+}
+
 #if KRHPR_LANES == 2
-    y[0] = KRHPR_SHUFFLE(x[0], x[1], 0, 2);
-    y[1] = KRHPR_SHUFFLE(x[0], x[1], 1, 3);
+KRHPR_INLINE void krhpr_turn_2(krhpr_lanes *to, const double *from, ptrdiff_t step)
+{
+    const krhpr_pair_at even = krhpr_pair(from), odd = krhpr_pair(from + step);
+    to[0] = KRHPR_SHUFFLE(even, odd, 0, 2);
+    to[1] = KRHPR_SHUFFLE(even, odd, 1, 3);
+}
+
+KRHPR_INLINE void krhpr_return_2(double *to, ptrdiff_t step, const krhpr_lanes_at *from)
+{
+    *(krhpr_pair_at *)to = KRHPR_SHUFFLE(from[0], from[1], 0, 2);
+    *(krhpr_pair_at *)(to + step) = KRHPR_SHUFFLE(from[0], from[1], 1, 3);
+}
 #elif KRHPR_LANES == 4
-    const krhpr_lanes a = KRHPR_SHUFFLE(x[0], x[1], 0, 4, 2, 6), b = KRHPR_SHUFFLE(x[0], x[1], 1, 5, 3, 7);
-    const krhpr_lanes c = KRHPR_SHUFFLE(x[2], x[3], 0, 4, 2, 6), d = KRHPR_SHUFFLE(x[2], x[3], 1, 5, 3, 7);
-    y[0] = KRHPR_SHUFFLE(a, c, 0, 1, 4, 5);
-    y[1] = KRHPR_SHUFFLE(b, d, 0, 1, 4, 5);
-    y[2] = KRHPR_SHUFFLE(a, c, 2, 3, 6, 7);
-    y[3] = KRHPR_SHUFFLE(b, d, 2, 3, 6, 7);
+KRHPR_INLINE void krhpr_turn_2(krhpr_lanes *to, const double *from, ptrdiff_t step)
+{
+    const krhpr_lanes even = KRHPR_SHUFFLE(krhpr_pair(from), krhpr_pair(from + 2 * step), 0, 1, 2, 3);
+    const krhpr_lanes odd = KRHPR_SHUFFLE(krhpr_pair(from + step), krhpr_pair(from + 3 * step), 0, 1, 2, 3);
+    to[0] = KRHPR_SHUFFLE(even, odd, 0, 4, 2, 6);
+    to[1] = KRHPR_SHUFFLE(even, odd, 1, 5, 3, 7);
+}
+
+KRHPR_INLINE void krhpr_return_2(double *to, ptrdiff_t step, const krhpr_lanes_at *from)
+{
+    const krhpr_lanes even = KRHPR_SHUFFLE(from[0], from[1], 0, 4, 2, 6);
+    const krhpr_lanes odd = KRHPR_SHUFFLE(from[0], from[1], 1, 5, 3, 7);
+    *(krhpr_pair_at *)to = KRHPR_SHUFFLE(even, even, 0, 1);
+    *(krhpr_pair_at *)(to + step) = KRHPR_SHUFFLE(odd, odd, 0, 1);
+    *(krhpr_pair_at *)(to + 2 * step) = KRHPR_SHUFFLE(even, even, 2, 3);
+    *(krhpr_pair_at *)(to + 3 * step) = KRHPR_SHUFFLE(odd, odd, 2, 3);
+}
+
+KRHPR_INLINE void krhpr_turn_4(krhpr_lanes *to, const double *from, ptrdiff_t step)
+{
+    const krhpr_lanes_at *const row_0 = (const krhpr_lanes_at *)from;
+    const krhpr_lanes_at *const row_1 = (const krhpr_lanes_at *)(from + step);
+    const krhpr_lanes_at *const row_2 = (const krhpr_lanes_at *)(from + 2 * step);
+    const krhpr_lanes_at *const row_3 = (const krhpr_lanes_at *)(from + 3 * step);
+    const krhpr_lanes a = KRHPR_SHUFFLE(*row_0, *row_1, 0, 4, 2, 6), b = KRHPR_SHUFFLE(*row_0, *row_1, 1, 5, 3, 7);
+    const krhpr_lanes c = KRHPR_SHUFFLE(*row_2, *row_3, 0, 4, 2, 6), d = KRHPR_SHUFFLE(*row_2, *row_3, 1, 5, 3, 7);
+    to[0] = KRHPR_SHUFFLE(a, c, 0, 1, 4, 5);
+    to[1] = KRHPR_SHUFFLE(b, d, 0, 1, 4, 5);
+    to[2] = KRHPR_SHUFFLE(a, c, 2, 3, 6, 7);
+    to[3] = KRHPR_SHUFFLE(b, d, 2, 3, 6, 7);
+}
+
+KRHPR_INLINE void krhpr_return_4(double *to, ptrdiff_t step, const krhpr_lanes_at *from)
+{
+    const krhpr_lanes a = KRHPR_SHUFFLE(from[0], from[1], 0, 4, 2, 6), b = KRHPR_SHUFFLE(from[0], from[1], 1, 5, 3, 7);
+    const krhpr_lanes c = KRHPR_SHUFFLE(from[2], from[3], 0, 4, 2, 6), d = KRHPR_SHUFFLE(from[2], from[3], 1, 5, 3, 7);
+    krhpr_store(to, KRHPR_SHUFFLE(a, c, 0, 1, 4, 5));
+    krhpr_store(to + step, KRHPR_SHUFFLE(b, d, 0, 1, 4, 5));
+    krhpr_store(to + 2 * step, KRHPR_SHUFFLE(a, c, 2, 3, 6, 7));
+    krhpr_store(to + 3 * step, KRHPR_SHUFFLE(b, d, 2, 3, 6, 7));
+}
 #else
-    krhpr_lanes z[KRHPR_LANES];
-    for (int k = 0; k < KRHPR_LANES; k += 2) {
-        y[k] = KRHPR_SHUFFLE(x[k], x[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-        y[k + 1] = KRHPR_SHUFFLE(x[k], x[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-    }
-    for (int k = 0; k < 2; ++k) {
-        z[k] = KRHPR_SHUFFLE(y[k], y[k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-        z[k + 2] = KRHPR_SHUFFLE(y[k], y[k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-        z[k + 4] = KRHPR_SHUFFLE(y[k + 4], y[k + 6], 0, 1, 8, 9, 4, 5, 12, 13);
-        z[k + 6] = KRHPR_SHUFFLE(y[k + 4], y[k + 6], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
-    for (int k = 0; k < 4; ++k) {
-        y[k] = KRHPR_SHUFFLE(z[k], z[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-        y[k + 4] = KRHPR_SHUFFLE(z[k], z[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-    }
+typedef double krhpr_four_at __attribute__((vector_size(32), aligned(8), may_alias));
+
+/* Four pairs, `step` from one to the next. */
+KRHPR_INLINE krhpr_lanes krhpr_four_pairs(const double *from, ptrdiff_t step)
+{
+    const krhpr_four_at low = KRHPR_SHUFFLE(krhpr_pair(from), krhpr_pair(from + step), 0, 1, 2, 3);
+    const krhpr_four_at high = KRHPR_SHUFFLE(krhpr_pair(from + 2 * step), krhpr_pair(from + 3 * step), 0, 1, 2, 3);
+    return KRHPR_SHUFFLE(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+KRHPR_INLINE void krhpr_store_four_pairs(double *to, ptrdiff_t step, krhpr_lanes x)
+{
+    *(krhpr_pair_at *)to = KRHPR_SHUFFLE(x, x, 0, 1);
+    *(krhpr_pair_at *)(to + step) = KRHPR_SHUFFLE(x, x, 2, 3);
+    *(krhpr_pair_at *)(to + 2 * step) = KRHPR_SHUFFLE(x, x, 4, 5);
+    *(krhpr_pair_at *)(to + 3 * step) = KRHPR_SHUFFLE(x, x, 6, 7);
+}
+
+KRHPR_INLINE void krhpr_turn_2(krhpr_lanes *to, const double *from, ptrdiff_t step)
+{
+    const krhpr_lanes even = krhpr_four_pairs(from, 2 * step), odd = krhpr_four_pairs(from + step, 2 * step);
+    to[0] = KRHPR_SHUFFLE(even, odd, 0, 8, 2, 10, 4, 12, 6, 14);
+    to[1] = KRHPR_SHUFFLE(even, odd, 1, 9, 3, 11, 5, 13, 7, 15);
+}
+
+KRHPR_INLINE void krhpr_return_2(double *to, ptrdiff_t step, const krhpr_lanes_at *from)
+{
+    krhpr_store_four_pairs(to, 2 * step, KRHPR_SHUFFLE(from[0], from[1], 0, 8, 2, 10, 4, 12, 6, 14));
+    krhpr_store_four_pairs(to + step, 2 * step, KRHPR_SHUFFLE(from[0], from[1], 1, 9, 3, 11, 5, 13, 7, 15));
+}
+
+/* Four numbers of a pose and of the next but one. */
+KRHPR_INLINE krhpr_lanes krhpr_two_fours(const double *from, ptrdiff_t step)
+{
+    const krhpr_four_at *const first = (const krhpr_four_at *)from;
+    const krhpr_four_at *const second = (const krhpr_four_at *)(from + 2 * step);
+    return KRHPR_SHUFFLE(*first, *second, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+KRHPR_INLINE void krhpr_store_two_fours(double *to, ptrdiff_t step, krhpr_lanes x)
+{
+    *(krhpr_four_at *)to = KRHPR_SHUFFLE(x, x, 0, 1, 2, 3);
+    *(krhpr_four_at *)(to + 2 * step) = KRHPR_SHUFFLE(x, x, 4, 5, 6, 7);
+}
+
+KRHPR_INLINE void krhpr_turn_4(krhpr_lanes *to, const double *from, ptrdiff_t step)
+{
+    const krhpr_lanes a = krhpr_two_fours(from, step), b = krhpr_two_fours(from + step, step);
+    const krhpr_lanes c = krhpr_two_fours(from + 4 * step, step), d = krhpr_two_fours(from + 5 * step, step);
+    const krhpr_lanes low_ab = KRHPR_SHUFFLE(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+    const krhpr_lanes high_ab = KRHPR_SHUFFLE(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+    const krhpr_lanes low_cd = KRHPR_SHUFFLE(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+    const krhpr_lanes high_cd = KRHPR_SHUFFLE(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+    to[0] = KRHPR_SHUFFLE(low_ab, low_cd, 0, 1, 4, 5, 8, 9, 12, 13);
+    to[1] = KRHPR_SHUFFLE(high_ab, high_cd, 0, 1, 4, 5, 8, 9, 12, 13);
+    to[2] = KRHPR_SHUFFLE(low_ab, low_cd, 2, 3, 6, 7, 10, 11, 14, 15);
+    to[3] = KRHPR_SHUFFLE(high_ab, high_cd, 2, 3, 6, 7, 10, 11, 14, 15);
+}
+
+KRHPR_INLINE void krhpr_return_4(double *to, ptrdiff_t step, const krhpr_lanes_at *from)
+{
+    const krhpr_lanes even_ab = KRHPR_SHUFFLE(from[0], from[1], 0, 8, 2, 10, 4, 12, 6, 14);
+    const krhpr_lanes odd_ab = KRHPR_SHUFFLE(from[0], from[1], 1, 9, 3, 11, 5, 13, 7, 15);
+    const krhpr_lanes even_cd = KRHPR_SHUFFLE(from[2], from[3], 0, 8, 2, 10, 4, 12, 6, 14);
+    const krhpr_lanes odd_cd = KRHPR_SHUFFLE(from[2], from[3], 1, 9, 3, 11, 5, 13, 7, 15);
+    krhpr_store_two_fours(to, step, KRHPR_SHUFFLE(even_ab, even_cd, 0, 1, 8, 9, 2, 3, 10, 11));
+    krhpr_store_two_fours(to + step, step, KRHPR_SHUFFLE(odd_ab, odd_cd, 0, 1, 8, 9, 2, 3, 10, 11));
+    krhpr_store_two_fours(to + 4 * step, step, KRHPR_SHUFFLE(even_ab, even_cd, 4, 5, 12, 13, 6, 7, 14, 15));
+    krhpr_store_two_fours(to + 5 * step, step, KRHPR_SHUFFLE(odd_ab, odd_cd, 4, 5, 12, 13, 6, 7, 14, 15));
+}
 #endif
-    for (int k = 0; k < KRHPR_LANES; ++k) {
-        x[k] = y[k];
-    }
+
+/* How many of n numbers are turned by fours. */
+static inline int krhpr_by_fours(int n)
+{
+#if KRHPR_LANES == 2
+    (void)n;
+    return 0;
+#else
+    return n / 4 * 4;
+#endif
 }
 #endif
 
@@ -61,19 +171,22 @@ static inline int krhpr_poses_here(size_t left)
  * fills lanes that are left over. */
 KRHPR_OUTLINE void krhpr_poses_load(krhpr_lanes *to, const double *from, ptrdiff_t step, int size, int here)
 {
-    int whole = 0;
-#if KRHPR_LANES > 1 && defined(KRHPR_SHUFFLE)
+    int rest = 0;
+#ifdef KRHPR_TURNS_IN_REGISTERS
     if (here == KRHPR_LANES) {
-        whole = size / KRHPR_LANES * KRHPR_LANES;
-        for (int k = 0; k < whole; k += KRHPR_LANES) {
-            for (int lane = 0; lane < KRHPR_LANES; ++lane) {
-                to[k + lane] = krhpr_load(from + lane * step + k);
-            }
-            krhpr_turn(to + k);
+        const int whole = krhpr_by_fours(size);
+#if KRHPR_LANES > 2
+        for (int k = 0; k < whole; k += 4) {
+            krhpr_turn_4(to + k, from + k, step);
+        }
+#endif
+        rest = whole + (size - whole) / 2 * 2;
+        for (int k = whole; k < rest; k += 2) {
+            krhpr_turn_2(to + k, from + k, step);
         }
     }
 #endif
-    for (int k = whole; k < size; ++k) {
+    for (int k = rest; k < size; ++k) {
         to[k] = krhpr_all(from[k]);
         for (int lane = 1; lane < KRHPR_LANES; ++lane) {
             krhpr_set_lane(&to[k], lane, from[(lane < here ? lane : here - 1) * step + k]);
@@ -83,23 +196,22 @@ KRHPR_OUTLINE void krhpr_poses_load(krhpr_lanes *to, const double *from, ptrdiff
 
 KRHPR_OUTLINE void krhpr_poses_store(double *to, ptrdiff_t step, const krhpr_lanes *from, int size, int here)
 {
-    int whole = 0;
-#if KRHPR_LANES > 1 && defined(KRHPR_SHUFFLE)
+    int rest = 0;
+#ifdef KRHPR_TURNS_IN_REGISTERS
     if (here == KRHPR_LANES) {
-        whole = size / KRHPR_LANES * KRHPR_LANES;
-        for (int k = 0; k < whole; k += KRHPR_LANES) {
-            krhpr_lanes turned[KRHPR_LANES];
-            for (int lane = 0; lane < KRHPR_LANES; ++lane) {
-                turned[lane] = from[k + lane];
-            }
-            krhpr_turn(turned);
-            for (int lane = 0; lane < KRHPR_LANES; ++lane) {
-                krhpr_store(to + lane * step + k, turned[lane]);
-            }
+        const int whole = krhpr_by_fours(size);
+#if KRHPR_LANES > 2
+        for (int k = 0; k < whole; k += 4) {
+            krhpr_return_4(to + k, step, from + k);
+        }
+#endif
+        rest = whole + (size - whole) / 2 * 2;
+        for (int k = whole; k < rest; k += 2) {
+            krhpr_return_2(to + k, step, from + k);
         }
     }
 #endif
-    for (int k = whole; k < size; ++k) {
+    for (int k = rest; k < size; ++k) {
         for (int lane = 0; lane < KRHPR_LANES; ++lane) {
             if (lane < here) {
                 to[lane * step + k] = krhpr_lane(&from[k], lane);
@@ -109,7 +221,12 @@ KRHPR_OUTLINE void krhpr_poses_store(double *to, ptrdiff_t step, const krhpr_lan
 }
 
 /* The same where a number's values for one pose after the other follow one another, and those of the next number `row`
- * doubles behind. */
+ * doubles behind: whether the array can be used as it is. */
+static inline int krhpr_poses_lie_ready(ptrdiff_t row, int here)
+{
+    return here == KRHPR_LANES && row == KRHPR_LANES;
+}
+
 KRHPR_OUTLINE void krhpr_poses_load_rows(krhpr_lanes *to, const double *from, ptrdiff_t row, int size, int here)
 {
     for (int k = 0; k < size; ++k) {
@@ -138,12 +255,50 @@ KRHPR_OUTLINE void krhpr_poses_store_rows(double *to, ptrdiff_t row, const krhpr
     }
 }
 
+/* Input and output arrays of a kernel: in their place, or in `room`. */
+static inline const krhpr_lanes_at *krhpr_poses_in(krhpr_lanes *room, const double *from, ptrdiff_t row, int size, int here)
+{
+    if (krhpr_poses_lie_ready(row, here)) {
+        return (const krhpr_lanes_at *)from;
+    }
+    krhpr_poses_load_rows(room, from, row, size, here);
+    return room;
+}
+
+static inline krhpr_lanes_at *krhpr_poses_out(krhpr_lanes *room, double *to, ptrdiff_t row, int here)
+{
+    return krhpr_poses_lie_ready(row, here) ? (krhpr_lanes_at *)to : room;
+}
+
+static inline void krhpr_poses_done(const krhpr_lanes *room, double *to, ptrdiff_t row, int size, int here)
+{
+    if (!krhpr_poses_lie_ready(row, here)) {
+        krhpr_poses_store_rows(to, row, room, size, here);
+    }
+}
+
+/* One pose of such arrays. */
+static inline void krhpr_pose_load(double *to, const double *from, ptrdiff_t row, int size)
+{
+    for (int k = 0; k < size; ++k) {
+        to[k] = from[k * row];
+    }
+}
+
+static inline void krhpr_pose_store(double *to, ptrdiff_t row, const double *from, int size)
+{
+    for (int k = 0; k < size; ++k) {
+        to[k * row] = from[k];
+    }
+}
+
 /* -- answers that do not exist ----------------------------------------------------------------------------------------- */
 
 /* Zero in the lanes where all n numbers are finite, NaN elsewhere; taints add up. */
-static inline krhpr_lanes krhpr_poses_taint(const krhpr_lanes *x, int n)
+static inline krhpr_lanes krhpr_poses_taint(const krhpr_lanes_at *x, int n)
 {
     krhpr_lanes taint = krhpr_all(0.0);
+    KRHPR_ROLLED
     for (int k = 0; k < n; ++k) {
         taint += x[k] * 0.0;
     }
@@ -151,7 +306,7 @@ static inline krhpr_lanes krhpr_poses_taint(const krhpr_lanes *x, int n)
 }
 
 /* NaN in the lanes where a condition does not hold. */
-KRHPR_OUTLINE void krhpr_poses_keep(krhpr_ints condition, krhpr_lanes *x, int n)
+KRHPR_OUTLINE void krhpr_poses_keep(krhpr_ints condition, krhpr_lanes_at *x, int n)
 {
     KRHPR_ROLLED
     for (int k = 0; k < n; ++k) {
@@ -197,7 +352,7 @@ static inline krhpr_ints krhpr_demand(krhpr_ints condition, krhpr_ints status, i
 }
 
 /* Writes the statuses of `here` poses; the first that is not KRHPR_OK, if `first` is. */
-static inline int krhpr_poses_report(const krhpr_ints *found, int here, int first, int *status, ptrdiff_t step)
+KRHPR_OUTLINE int krhpr_poses_report(const krhpr_ints *found, int here, int first, int *status, ptrdiff_t step)
 {
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {
         if (lane < here) {

@@ -15,7 +15,7 @@ static const double mode_default[9] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1
 
 /* rotation_error of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_rotation_error_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes Q[9], krhpr_lanes *KRHPR_RESTRICT error,
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at Q[9], krhpr_lanes_at *KRHPR_RESTRICT error,
     krhpr_ints *answer)
 {
     (void)g;
@@ -34,7 +34,6 @@ KRHPR_API int krhpr_spatial_delta_c_rotation_error_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -50,10 +49,38 @@ KRHPR_API int krhpr_spatial_delta_c_rotation_error_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_rotation_error_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes error_room[1];
+            double *const error_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const error = krhpr_poses_out(error_room, error_at, row, here);
+            krhpr_spatial_delta_c_rotation_error_lanes(g, Q, error, &answer);
+            krhpr_poses_done(error_room, error_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* end_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_end_points_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes redundant[3], krhpr_lanes *KRHPR_RESTRICT s, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
@@ -72,7 +99,6 @@ KRHPR_API int krhpr_spatial_delta_c_end_points_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -92,10 +118,42 @@ KRHPR_API int krhpr_spatial_delta_c_end_points_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_end_points_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes s_room[9];
+            double *const s_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_spatial_delta_c_end_points_lanes(g, p, Q, redundant, s, &answer);
+            krhpr_poses_done(s_room, s_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_redundant_coordinates_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
@@ -114,7 +172,6 @@ KRHPR_API int krhpr_spatial_delta_c_redundant_coordinates_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -134,10 +191,42 @@ KRHPR_API int krhpr_spatial_delta_c_redundant_coordinates_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_redundant_coordinates_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes redundant_room[3];
+            double *const redundant_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_spatial_delta_c_redundant_coordinates_lanes(g, p, Q, s, redundant, &answer);
+            krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_subleg_forward_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes theta[9], const krhpr_lanes s_near[9],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at theta[9], const krhpr_lanes_at s_near[9],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(s_near, 9);
@@ -172,7 +261,6 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_forward_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -190,9 +278,39 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_subleg_forward_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes s_near_room[9];
+            const krhpr_lanes_at *const s_near = krhpr_poses_in(s_near_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            double *const s_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_spatial_delta_c_subleg_forward_lanes(g, theta, s_near, s, &answer);
+            krhpr_poses_done(s_room, s_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_subleg_forward_all_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes theta[9], krhpr_lanes *KRHPR_RESTRICT s,
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -228,7 +346,6 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_forward_all_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -244,9 +361,37 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_forward_all_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_subleg_forward_all_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes s_room[18];
+            double *const s_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_spatial_delta_c_subleg_forward_all_lanes(g, theta, s, &answer);
+            krhpr_poses_done(s_room, s_at, row, 18, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_subleg_inverse_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes s[9], krhpr_lanes *KRHPR_RESTRICT theta,
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -305,7 +450,6 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_inverse_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -321,10 +465,38 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_inverse_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_subleg_inverse_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes theta_room[72];
+            double *const theta_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_spatial_delta_c_subleg_inverse_lanes(g, s, theta, &answer);
+            krhpr_poses_done(theta_room, theta_at, row, 72, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_subleg_jacobian_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes s[9], const krhpr_lanes theta[9],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 9);
@@ -362,7 +534,6 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_jacobian_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -380,10 +551,40 @@ KRHPR_API int krhpr_spatial_delta_c_subleg_jacobian_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_subleg_jacobian_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes M_room[27];
+            double *const M_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const M = krhpr_poses_out(M_room, M_at, row, here);
+            krhpr_spatial_delta_c_subleg_jacobian_lanes(g, s, theta, M, &answer);
+            krhpr_poses_done(M_room, M_at, row, 27, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_constraints_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], krhpr_lanes *KRHPR_RESTRICT residual, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
@@ -402,7 +603,6 @@ KRHPR_API int krhpr_spatial_delta_c_constraints_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -422,11 +622,43 @@ KRHPR_API int krhpr_spatial_delta_c_constraints_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_constraints_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes residual_room[6];
+            double *const residual_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const residual = krhpr_poses_out(residual_room, residual_at, row, here);
+            krhpr_spatial_delta_c_constraints_lanes(g, p, Q, s, residual, &answer);
+            krhpr_poses_done(residual_room, residual_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_jacobians_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], krhpr_lanes *KRHPR_RESTRICT J,
-    krhpr_lanes *KRHPR_RESTRICT K, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -477,7 +709,6 @@ KRHPR_API int krhpr_spatial_delta_c_jacobians_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -501,11 +732,49 @@ KRHPR_API int krhpr_spatial_delta_c_jacobians_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_jacobians_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes J_room[36];
+            double *const J_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes K_room[54];
+            double *const K_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_spatial_delta_c_jacobians_lanes(g, p, Q, s, theta, J, K, &answer);
+            krhpr_poses_done(J_room, J_at, row, 36, here);
+            krhpr_poses_done(K_room, K_at, row, 54, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_jacobian_blocks_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], krhpr_lanes *KRHPR_RESTRICT J,
-    krhpr_lanes *KRHPR_RESTRICT K, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -547,7 +816,6 @@ KRHPR_API int krhpr_spatial_delta_c_jacobian_blocks_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -571,10 +839,48 @@ KRHPR_API int krhpr_spatial_delta_c_jacobian_blocks_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_jacobian_blocks_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes J_room[36];
+            double *const J_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes K_room[18];
+            double *const K_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_spatial_delta_c_jacobian_blocks_lanes(g, p, Q, s, theta, J, K, &answer);
+            krhpr_poses_done(J_room, J_at, row, 36, here);
+            krhpr_poses_done(K_room, K_at, row, 18, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_inverse_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes redundant[3], const krhpr_lanes mode[9], krhpr_lanes *KRHPR_RESTRICT theta,
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -615,7 +921,6 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -637,10 +942,49 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_inverse_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes mode_room[9];
+            const krhpr_lanes_at *mode = mode_room;
+            if (in[3] != NULL) {
+                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 9, here);
+            } else {
+                krhpr_poses_load(mode_room, mode_default, 0, 9, here);
+            }
+            krhpr_lanes theta_room[9];
+            double *const theta_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_spatial_delta_c_inverse_lanes(g, p, Q, redundant, mode, theta, &answer);
+            krhpr_poses_done(theta_room, theta_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_inverse_all_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes redundant[3], krhpr_lanes *KRHPR_RESTRICT theta, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
@@ -699,7 +1043,6 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_all_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -719,11 +1062,42 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_all_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_inverse_all_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes theta_room[72];
+            double *const theta_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_spatial_delta_c_inverse_all_lanes(g, p, Q, redundant, theta, &answer);
+            krhpr_poses_done(theta_room, theta_at, row, 72, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_delta_c_inverse_near_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -738,10 +1112,43 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_near_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_inverse_near_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double p[3];
+            double Q[9];
+            double redundant[3];
+            double theta_near[9];
+            double theta[9];
+            krhpr_pose_load(p, in[0] + b * in_step[0] + k, row, 3);
+            krhpr_pose_load(Q, in[1] + b * in_step[1] + k, row, 9);
+            krhpr_pose_load(redundant, in[2] + b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near, in[3] + b * in_step[3] + k, row, 9);
+            const int here = krhpr_spatial_delta_c_inverse_near(g, p, Q, redundant, theta_near, theta);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta, 9);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
+        }
+    }
+    return first;
+}
+
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_inverse_status_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes redundant[3], const krhpr_lanes mode[9], krhpr_lanes *KRHPR_RESTRICT excess,
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[9], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -768,7 +1175,6 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_status_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -790,11 +1196,50 @@ KRHPR_API int krhpr_spatial_delta_c_inverse_status_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_inverse_status_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes mode_room[9];
+            const krhpr_lanes_at *mode = mode_room;
+            if (in[3] != NULL) {
+                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 9, here);
+            } else {
+                krhpr_poses_load(mode_room, mode_default, 0, 9, here);
+            }
+            krhpr_lanes excess_room[3];
+            double *const excess_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const excess = krhpr_poses_out(excess_room, excess_at, row, here);
+            krhpr_spatial_delta_c_inverse_status_lanes(g, p, Q, redundant, mode, excess, &answer);
+            krhpr_poses_done(excess_room, excess_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_twist_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], const krhpr_lanes theta_dot[9],
-    krhpr_lanes *KRHPR_RESTRICT twist, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
+    krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -847,7 +1292,6 @@ KRHPR_API int krhpr_spatial_delta_c_twist_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -871,11 +1315,47 @@ KRHPR_API int krhpr_spatial_delta_c_twist_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_twist_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes theta_dot_room[9];
+            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 9, here);
+            krhpr_lanes twist_room[6];
+            double *const twist_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const twist = krhpr_poses_out(twist_room, twist_at, row, here);
+            krhpr_spatial_delta_c_twist_lanes(g, p, Q, s, theta, theta_dot, twist, &answer);
+            krhpr_poses_done(twist_room, twist_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_joint_rates_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], const krhpr_lanes twist[6],
-    const krhpr_lanes redundant_rates[3], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
+    const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -917,7 +1397,6 @@ KRHPR_API int krhpr_spatial_delta_c_joint_rates_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -944,12 +1423,51 @@ KRHPR_API int krhpr_spatial_delta_c_joint_rates_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_joint_rates_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes twist_room[6];
+            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
+            krhpr_lanes redundant_rates_room[3];
+            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            krhpr_lanes theta_dot_room[9];
+            double *const theta_dot_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta_dot = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
+            krhpr_spatial_delta_c_joint_rates_lanes(
+                g, p, Q, s, theta, twist, redundant_rates, theta_dot, &answer);
+            krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_platform_acceleration_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], const krhpr_lanes twist[6],
-    const krhpr_lanes theta_dot[9], const krhpr_lanes theta_ddot[9], krhpr_lanes *KRHPR_RESTRICT twist_rate,
-    krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
+    const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
+    krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -1012,7 +1530,6 @@ KRHPR_API int krhpr_spatial_delta_c_platform_acceleration_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1041,12 +1558,54 @@ KRHPR_API int krhpr_spatial_delta_c_platform_acceleration_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_platform_acceleration_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes twist_room[6];
+            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
+            krhpr_lanes theta_dot_room[9];
+            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 9, here);
+            krhpr_lanes theta_ddot_room[9];
+            const krhpr_lanes_at *const theta_ddot = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 9, here);
+            krhpr_lanes twist_rate_room[6];
+            double *const twist_rate_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const twist_rate = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
+            krhpr_spatial_delta_c_platform_acceleration_lanes(
+                g, p, Q, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
+            krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_joint_accelerations_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], const krhpr_lanes twist[6],
-    const krhpr_lanes redundant_rates[3], const krhpr_lanes theta_dot[9], const krhpr_lanes twist_rate[6],
-    const krhpr_lanes redundant_accelerations[3], krhpr_lanes *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
+    const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[9],
+    const krhpr_lanes_at twist_rate[6], const krhpr_lanes_at redundant_accelerations[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -1104,7 +1663,6 @@ KRHPR_API int krhpr_spatial_delta_c_joint_accelerations_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1138,11 +1696,58 @@ KRHPR_API int krhpr_spatial_delta_c_joint_accelerations_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_joint_accelerations_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes twist_room[6];
+            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
+            krhpr_lanes redundant_rates_room[3];
+            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            krhpr_lanes theta_dot_room[9];
+            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 9, here);
+            krhpr_lanes twist_rate_room[6];
+            const krhpr_lanes_at *const twist_rate = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 6, here);
+            krhpr_lanes redundant_accelerations_room[3];
+            const krhpr_lanes_at *const redundant_accelerations = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
+            krhpr_lanes theta_ddot_room[9];
+            double *const theta_ddot_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const theta_ddot = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
+            krhpr_spatial_delta_c_joint_accelerations_lanes(
+                g, p, Q, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
+                theta_ddot, &answer);
+            krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_passive_joints_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], krhpr_lanes *KRHPR_RESTRICT passive,
-    krhpr_lanes *KRHPR_RESTRICT spherical, krhpr_lanes *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT passive,
+    krhpr_lanes_at *KRHPR_RESTRICT spherical, krhpr_lanes_at *KRHPR_RESTRICT platform_joint,
+    krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -1192,7 +1797,6 @@ KRHPR_API int krhpr_spatial_delta_c_passive_joints_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1219,11 +1823,54 @@ KRHPR_API int krhpr_spatial_delta_c_passive_joints_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_passive_joints_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes passive_room[18];
+            double *const passive_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const passive = krhpr_poses_out(passive_room, passive_at, row, here);
+            krhpr_lanes spherical_room[27];
+            double *const spherical_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const spherical = krhpr_poses_out(spherical_room, spherical_at, row, here);
+            krhpr_lanes platform_joint_room[3];
+            double *const platform_joint_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const platform_joint = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
+            krhpr_spatial_delta_c_passive_joints_lanes(
+                g, p, Q, s, theta, passive, spherical, platform_joint, &answer);
+            krhpr_poses_done(passive_room, passive_at, row, 18, here);
+            krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
+            krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_link_points_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], krhpr_lanes *KRHPR_RESTRICT points,
-    krhpr_lanes *KRHPR_RESTRICT attachment, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
+    krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -1256,7 +1903,6 @@ KRHPR_API int krhpr_spatial_delta_c_link_points_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1280,12 +1926,50 @@ KRHPR_API int krhpr_spatial_delta_c_link_points_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_link_points_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes points_room[63];
+            double *const points_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const points = krhpr_poses_out(points_room, points_at, row, here);
+            krhpr_lanes attachment_room[9];
+            double *const attachment_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const attachment = krhpr_poses_out(attachment_room, attachment_at, row, here);
+            krhpr_spatial_delta_c_link_points_lanes(g, p, Q, s, theta, points, attachment, &answer);
+            krhpr_poses_done(points_room, points_at, row, 63, here);
+            krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_singularity_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes p[3], const krhpr_lanes Q[9],
-    const krhpr_lanes s[9], const krhpr_lanes theta[9], krhpr_lanes *KRHPR_RESTRICT type_1,
-    krhpr_lanes *KRHPR_RESTRICT factors, krhpr_lanes *KRHPR_RESTRICT type_2,
-    krhpr_lanes *KRHPR_RESTRICT margins, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT type_1,
+    krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
+    krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
@@ -1326,7 +2010,6 @@ KRHPR_API int krhpr_spatial_delta_c_singularity_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1354,10 +2037,57 @@ KRHPR_API int krhpr_spatial_delta_c_singularity_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_singularity_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes type_1_room[3];
+            double *const type_1_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const type_1 = krhpr_poses_out(type_1_room, type_1_at, row, here);
+            krhpr_lanes factors_room[12];
+            double *const factors_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const factors = krhpr_poses_out(factors_room, factors_at, row, here);
+            krhpr_lanes type_2_room[2];
+            double *const type_2_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes margins_room[2];
+            double *const margins_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_spatial_delta_c_singularity_lanes(
+                g, p, Q, s, theta, type_1, factors, type_2, margins, &answer);
+            krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
+            krhpr_poses_done(factors_room, factors_at, row, 12, here);
+            krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
+            krhpr_poses_done(margins_room, margins_at, row, 2, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_type_2_of_redundant_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes redundant[3],
-    krhpr_lanes *KRHPR_RESTRICT type_2, krhpr_lanes *KRHPR_RESTRICT margins, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at redundant[3],
+    krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
@@ -1382,7 +2112,6 @@ KRHPR_API int krhpr_spatial_delta_c_type_2_of_redundant_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1400,11 +2129,44 @@ KRHPR_API int krhpr_spatial_delta_c_type_2_of_redundant_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_type_2_of_redundant_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes type_2_room[2];
+            double *const type_2_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes margins_room[2];
+            double *const margins_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_spatial_delta_c_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
+            krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
+            krhpr_poses_done(margins_room, margins_at, row, 2, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_forward_all_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes s[9], const krhpr_lanes turned[1],
-    krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q, krhpr_lanes *KRHPR_RESTRICT redundant,
-    krhpr_lanes *KRHPR_RESTRICT det_J, krhpr_lanes *KRHPR_RESTRICT count, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at turned[1],
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
+    krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(turned, 1);
@@ -1429,6 +2191,7 @@ KRHPR_OUTLINE void krhpr_spatial_delta_c_forward_all_lanes(
         krhpr_poses_keep(valid, redundant, 6);
         krhpr_poses_keep(valid, det_J, 2);
         krhpr_poses_keep(valid, count, 1);
+        *count = krhpr_where(valid, *count, krhpr_all(0.0));
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     if (krhpr_any(krhpr_not(finite))) {
@@ -1446,7 +2209,6 @@ KRHPR_API int krhpr_spatial_delta_c_forward_all_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1472,12 +2234,58 @@ KRHPR_API int krhpr_spatial_delta_c_forward_all_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_forward_all_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes turned_room[1];
+            const krhpr_lanes_at *const turned = krhpr_poses_in(turned_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes p_room[6];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes Q_room[18];
+            double *const Q_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes redundant_room[6];
+            double *const redundant_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes det_J_room[2];
+            double *const det_J_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const det_J = krhpr_poses_out(det_J_room, det_J_at, row, here);
+            krhpr_lanes count_room[1];
+            double *const count_at = out[4] + b * out_step[4] + k;
+            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_spatial_delta_c_forward_all_lanes(g, s, turned, p, Q, redundant, det_J, count, &answer);
+            krhpr_poses_done(p_room, p_at, row, 6, here);
+            krhpr_poses_done(Q_room, Q_at, row, 18, here);
+            krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
+            krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
+            krhpr_poses_done(count_room, count_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_forward_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes theta[9], const krhpr_lanes s_near[9],
-    const krhpr_lanes side[1], krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q,
-    krhpr_lanes *KRHPR_RESTRICT redundant, krhpr_lanes *KRHPR_RESTRICT count,
-    krhpr_lanes *KRHPR_RESTRICT certified, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at theta[9], const krhpr_lanes_at s_near[9],
+    const krhpr_lanes_at side[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
+    krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(s_near, 9) + krhpr_poses_taint(side, 1);
@@ -1534,7 +2342,6 @@ KRHPR_API int krhpr_spatial_delta_c_forward_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1563,11 +2370,59 @@ KRHPR_API int krhpr_spatial_delta_c_forward_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_forward_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes s_near_room[9];
+            const krhpr_lanes_at *const s_near = krhpr_poses_in(s_near_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes side_room[1];
+            const krhpr_lanes_at *const side = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes p_room[3];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes Q_room[9];
+            double *const Q_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes redundant_room[3];
+            double *const redundant_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes count_room[1];
+            double *const count_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_lanes certified_room[1];
+            double *const certified_at = out[4] + b * out_step[4] + k;
+            krhpr_lanes_at *const certified = krhpr_poses_out(certified_room, certified_at, row, here);
+            krhpr_spatial_delta_c_forward_lanes(
+                g, theta, s_near, side, p, Q, redundant, count, certified, &answer);
+            krhpr_poses_done(p_room, p_at, row, 3, here);
+            krhpr_poses_done(Q_room, Q_at, row, 9, here);
+            krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
+            krhpr_poses_done(count_room, count_at, row, 1, here);
+            krhpr_poses_done(certified_room, certified_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_delta_c_passive_joints_of_theta_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -1583,11 +2438,53 @@ KRHPR_API int krhpr_spatial_delta_c_passive_joints_of_theta_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_passive_joints_of_theta_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double theta[9];
+            double s_near[9];
+            double side[1];
+            double passive[18];
+            double spherical[27];
+            double platform_joint[3];
+            double p[3];
+            double Q[9];
+            double redundant[3];
+            krhpr_pose_load(theta, in[0] + b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near, in[1] + b * in_step[1] + k, row, 9);
+            krhpr_pose_load(side, in[2] + b * in_step[2] + k, row, 1);
+            const int here = krhpr_spatial_delta_c_passive_joints_of_theta(
+                g, theta, s_near, side[0], passive, spherical, platform_joint, p, Q, redundant);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, passive, 18);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, spherical, 27);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, platform_joint, 3);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, p, 3);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, Q, 9);
+            krhpr_pose_store(out[5] + b * out_step[5] + k, row, redundant, 3);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
+        }
+    }
+    return first;
+}
+
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_forward_encoders_2_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes s[9], const krhpr_lanes measured[2],
-    const krhpr_lanes tolerance[1], krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q,
-    krhpr_lanes *KRHPR_RESTRICT raw, krhpr_lanes *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
+    const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
+    krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
@@ -1632,7 +2529,6 @@ KRHPR_API int krhpr_spatial_delta_c_forward_encoders_2_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1659,11 +2555,56 @@ KRHPR_API int krhpr_spatial_delta_c_forward_encoders_2_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_forward_encoders_2_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes measured_room[2];
+            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            krhpr_lanes tolerance_room[1];
+            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes p_room[3];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes Q_room[9];
+            double *const Q_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes raw_room[9];
+            double *const raw_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes mismatch_room[1];
+            double *const mismatch_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_spatial_delta_c_forward_encoders_2_lanes(
+                g, s, measured, tolerance, p, Q, raw, mismatch, &answer);
+            krhpr_poses_done(p_room, p_at, row, 3, here);
+            krhpr_poses_done(Q_room, Q_at, row, 9, here);
+            krhpr_poses_done(raw_room, raw_at, row, 9, here);
+            krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_delta_c_forward_encoders_3_lanes(
-    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes s[9], const krhpr_lanes measured[3],
-    const krhpr_lanes tolerance[1], krhpr_lanes *KRHPR_RESTRICT p, krhpr_lanes *KRHPR_RESTRICT Q,
-    krhpr_lanes *KRHPR_RESTRICT raw, krhpr_lanes *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
+    const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
+    krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
@@ -1708,7 +2649,6 @@ KRHPR_API int krhpr_spatial_delta_c_forward_encoders_3_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
@@ -1735,11 +2675,55 @@ KRHPR_API int krhpr_spatial_delta_c_forward_encoders_3_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_forward_encoders_3_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes measured_room[3];
+            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            krhpr_lanes tolerance_room[1];
+            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes p_room[3];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes Q_room[9];
+            double *const Q_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes raw_room[9];
+            double *const raw_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes mismatch_room[3];
+            double *const mismatch_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_spatial_delta_c_forward_encoders_3_lanes(
+                g, s, measured, tolerance, p, Q, raw, mismatch, &answer);
+            krhpr_poses_done(p_room, p_at, row, 3, here);
+            krhpr_poses_done(Q_room, Q_at, row, 9, here);
+            krhpr_poses_done(raw_room, raw_at, row, 9, here);
+            krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_2_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -1755,11 +2739,50 @@ KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_2_batch(
     return first;
 }
 
+KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_2_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double s[9];
+            double measured[2];
+            double tolerance[1];
+            double weights[3];
+            double p[3];
+            double Q[9];
+            double raw[9];
+            double mismatch[1];
+            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 9);
+            krhpr_pose_load(measured, in[1] + b * in_step[1] + k, row, 2);
+            krhpr_pose_load(tolerance, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(weights, in[3] + b * in_step[3] + k, row, 3);
+            const int here = krhpr_spatial_delta_c_forward_gauss_newton_2(
+                g, s, measured, tolerance[0], weights, p, Q, raw, mismatch);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 3);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q, 9);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, raw, 9);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, mismatch, 1);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
+        }
+    }
+    return first;
+}
+
 KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_3_batch(
     const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
-
 {
     int first = KRHPR_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
@@ -1770,6 +2793,46 @@ KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_3_batch(
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+KRHPR_API int krhpr_spatial_delta_c_forward_gauss_newton_3_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; ++k) {
+            double s[9];
+            double measured[3];
+            double tolerance[1];
+            double weights[3];
+            double p[3];
+            double Q[9];
+            double raw[9];
+            double mismatch[3];
+            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 9);
+            krhpr_pose_load(measured, in[1] + b * in_step[1] + k, row, 3);
+            krhpr_pose_load(tolerance, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(weights, in[3] + b * in_step[3] + k, row, 3);
+            const int here = krhpr_spatial_delta_c_forward_gauss_newton_3(
+                g, s, measured, tolerance[0], weights, p, Q, raw, mismatch);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 3);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q, 9);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, raw, 9);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, mismatch, 3);
+            first = first == KRHPR_OK ? here : first;
+            if (answers != NULL) {
+                answers[k] = here;
+            }
         }
     }
     return first;

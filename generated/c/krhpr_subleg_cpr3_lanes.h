@@ -12,8 +12,8 @@
 /* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
  * multiply, 2 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_cpr3_forward_step_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes theta[3], const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT s_next, krhpr_lanes *KRHPR_RESTRICT change)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at theta[3], const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s_next, krhpr_lanes_at *KRHPR_RESTRICT change)
 {
     const krhpr_lanes g_e_0 = krhpr_of_leg(g->e[0], i);
     const krhpr_lanes g_e_1 = krhpr_of_leg(g->e[1], i);
@@ -130,7 +130,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_forward_step_lanes(
 
 /* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply) */
 KRHPR_INLINE void krhpr_subleg_cpr3_octic_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT octic)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT octic)
 {
     const krhpr_lanes g_k_18 = krhpr_of_leg(g->k[18], i);
     const krhpr_lanes g_k_19 = krhpr_of_leg(g->k[19], i);
@@ -246,8 +247,9 @@ KRHPR_INLINE void krhpr_subleg_cpr3_octic_lanes(
 /* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266 multiply, 5
  * divide) */
 KRHPR_INLINE void krhpr_subleg_cpr3_at_root_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes root[2], const krhpr_lanes theta[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT volume, krhpr_lanes *KRHPR_RESTRICT miss)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at root[2], const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT volume,
+    krhpr_lanes_at *KRHPR_RESTRICT miss)
 {
     const krhpr_lanes g_e_0 = krhpr_of_leg(g->e[0], i);
     const krhpr_lanes g_e_1 = krhpr_of_leg(g->e[1], i);
@@ -507,8 +509,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_at_root_lanes(
 /* Actuated joints of the (3-CPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root) */
 KRHPR_INLINE void krhpr_subleg_cpr3_inverse_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT theta,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_e_0 = krhpr_of_leg(g->e[0], i);
     const krhpr_lanes g_e_1 = krhpr_of_leg(g->e[1], i);
@@ -558,8 +560,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_inverse_lanes(
 /* Every working mode of the (3-CPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.3.  (30 add, 27 multiply, 3 square root) */
 KRHPR_INLINE void krhpr_subleg_cpr3_inverse_all_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT theta,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_e_0 = krhpr_of_leg(g->e[0], i);
     const krhpr_lanes g_e_1 = krhpr_of_leg(g->e[1], i);
@@ -608,7 +610,7 @@ KRHPR_INLINE void krhpr_subleg_cpr3_inverse_all_lanes(
 
 /* Distance by which the end point lies outside the reach of the (3-CPR) sub-leg.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_cpr3_reach_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_cpr3_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     (void)(g);
     (void)(i);
@@ -618,8 +620,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_reach_lanes(
 /* Posture of the (3-CPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
  * add, 18 multiply) */
 KRHPR_INLINE void krhpr_subleg_cpr3_posture_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta[3],
-    krhpr_lanes *KRHPR_RESTRICT w, krhpr_lanes *KRHPR_RESTRICT b, krhpr_lanes *KRHPR_RESTRICT travel)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT w, krhpr_lanes_at *KRHPR_RESTRICT b, krhpr_lanes_at *KRHPR_RESTRICT travel)
 {
     const krhpr_lanes g_e_0 = krhpr_of_leg(g->e[0], i);
     const krhpr_lanes g_e_1 = krhpr_of_leg(g->e[1], i);
@@ -680,8 +682,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_posture_lanes(
 /* Jacobian M_i of the (3-CPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_cpr3_jacobian_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_44 = krhpr_of_leg(g->k[44], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -713,8 +715,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_jacobian_lanes(
 /* Rows of K: N M_i for the (3-CPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_cpr3_project_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_44 = krhpr_of_leg(g->k[44], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -743,8 +745,9 @@ KRHPR_INLINE void krhpr_subleg_cpr3_project_lanes(
 /* Velocity of the end point of the (3-CPR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_cpr3_velocity_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_44 = krhpr_of_leg(g->k[44], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -771,9 +774,9 @@ KRHPR_INLINE void krhpr_subleg_cpr3_velocity_lanes(
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (106 add, 142 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_cpr3_bias_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta[3],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_0 = krhpr_of_leg(g->e[0], i);
     const krhpr_lanes g_e_1 = krhpr_of_leg(g->e[1], i);
@@ -869,8 +872,9 @@ KRHPR_INLINE void krhpr_subleg_cpr3_bias_lanes(
 /* Actuated joint rates of the (3-CPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_cpr3_rates_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes s_dot[3], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_45 = krhpr_of_leg(g->k[45], i);
     const krhpr_lanes w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
@@ -886,8 +890,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_rates_lanes(
 /* det M_i of the (3-CPR) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_cpr3_determinant_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_44 = krhpr_of_leg(g->k[44], i);
     const krhpr_lanes g_k_45 = krhpr_of_leg(g->k[45], i);
@@ -902,8 +906,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_determinant_lanes(
 /* Passive joints of the (3-CPR) sub-leg and the orientation of its last link.  (12 add, 18 multiply, 3
  * arctangent) */
 KRHPR_INLINE void krhpr_subleg_cpr3_passive_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes travel[3],
-    krhpr_lanes *KRHPR_RESTRICT passive, krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at travel[3],
+    krhpr_lanes_at *KRHPR_RESTRICT passive, krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -953,8 +957,8 @@ KRHPR_INLINE void krhpr_subleg_cpr3_passive_lanes(
 
 /* Joints of the (3-CPR) sub-leg, from the base to S_i.  (9 add) */
 KRHPR_INLINE void krhpr_subleg_cpr3_points_lanes(
-    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     (void)(g);
     (void)(i);

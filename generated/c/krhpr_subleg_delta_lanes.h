@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -21,8 +21,9 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_angles_lanes(
 /* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply, 2 divide,
  * 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s_near[3], const krhpr_lanes sine[3],
-    const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s_near[3],
+    const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_L = krhpr_of_leg(g->L, i);
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
@@ -81,7 +82,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -91,9 +92,10 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_posture_angles_lanes(
 /* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 83
  * multiply, 2 divide, 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_posture_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s_near[3], const krhpr_lanes sine[3],
-    const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT w,
-    krhpr_lanes *KRHPR_RESTRICT b, krhpr_lanes *KRHPR_RESTRICT u, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s_near[3],
+    const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT w, krhpr_lanes_at *KRHPR_RESTRICT b, krhpr_lanes_at *KRHPR_RESTRICT u,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_L = krhpr_of_leg(g->L, i);
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
@@ -194,7 +196,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_posture_lanes(
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_all_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -204,8 +206,8 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_all_angles_lanes(
 /* End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the normal; NaN
  * where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_all_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes sine[3], const krhpr_lanes cosine[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_L = krhpr_of_leg(g->L, i);
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
@@ -272,9 +274,9 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_all_lanes(
 /* Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 2 select) */
 KRHPR_INLINE void krhpr_subleg_delta_inverse_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[3],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -334,9 +336,9 @@ KRHPR_INLINE void krhpr_subleg_delta_inverse_lanes(
  * 1-/2+/3-, 1-/2-/3+, 1-/2-/3-; NaN where a mode does not exist.  Thesis: 2.4.4.  (45 add, 42 multiply, 3
  * square root, 2 select) */
 KRHPR_INLINE void krhpr_subleg_delta_inverse_all_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -410,7 +412,8 @@ KRHPR_INLINE void krhpr_subleg_delta_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the (Delta) sub-leg.  (30 add, 24 multiply, 3
  * square root, 5 select) */
 KRHPR_INLINE void krhpr_subleg_delta_reach_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -457,7 +460,7 @@ KRHPR_INLINE void krhpr_subleg_delta_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_delta_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -467,9 +470,9 @@ KRHPR_INLINE void krhpr_subleg_delta_posture_angles_lanes(
 /* Posture of the (Delta) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
  * add, 30 multiply) */
 KRHPR_INLINE void krhpr_subleg_delta_posture_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[3],
-    const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT w, krhpr_lanes *KRHPR_RESTRICT b,
-    krhpr_lanes *KRHPR_RESTRICT u)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT w, krhpr_lanes_at *KRHPR_RESTRICT b,
+    krhpr_lanes_at *KRHPR_RESTRICT u)
 {
     const krhpr_lanes g_L = krhpr_of_leg(g->L, i);
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
@@ -525,8 +528,8 @@ KRHPR_INLINE void krhpr_subleg_delta_posture_lanes(
 /* Jacobian M_i of the (Delta) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_jacobian_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -558,8 +561,8 @@ KRHPR_INLINE void krhpr_subleg_delta_jacobian_lanes(
 /* Rows of K: N M_i for the (Delta) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_project_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -588,8 +591,9 @@ KRHPR_INLINE void krhpr_subleg_delta_project_lanes(
 /* Velocity of the end point of the (Delta) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_velocity_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -614,7 +618,7 @@ KRHPR_INLINE void krhpr_subleg_delta_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_delta_bias_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -625,9 +629,10 @@ KRHPR_INLINE void krhpr_subleg_delta_bias_angles_lanes(
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (115 add, 181 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_delta_bias_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta_dot[3],
-    const krhpr_lanes sine[3], const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s[3],
+    const krhpr_lanes_at theta_dot[3], const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_L = krhpr_of_leg(g->L, i);
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
@@ -730,8 +735,9 @@ KRHPR_INLINE void krhpr_subleg_delta_bias_lanes(
 /* Actuated joint rates of the (Delta) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_delta_rates_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes s_dot[3], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
@@ -747,8 +753,8 @@ KRHPR_INLINE void krhpr_subleg_delta_rates_lanes(
 /* det M_i of the (Delta) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_delta_determinant_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
@@ -763,8 +769,9 @@ KRHPR_INLINE void krhpr_subleg_delta_determinant_lanes(
 /* Passive joints of the (Delta) sub-leg and the orientation of its last link.  (15 add, 30 multiply, 3
  * square root) */
 KRHPR_INLINE void krhpr_subleg_delta_passive_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes u[6],
-    krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at u[6],
+    krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -811,8 +818,8 @@ KRHPR_INLINE void krhpr_subleg_delta_passive_lanes(
 
 /* Joints of the (Delta) sub-leg, from the base to S_i.  (9 add) */
 KRHPR_INLINE void krhpr_subleg_delta_points_lanes(
-    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);

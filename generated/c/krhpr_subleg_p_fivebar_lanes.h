@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -20,9 +20,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_angles_lanes(
 /* End point of the P(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 25 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes theta[3],
-    const krhpr_lanes assembly[1], const krhpr_lanes sine[2], const krhpr_lanes cosine[2],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at assembly[1], const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -65,7 +65,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -74,10 +74,10 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_posture_angles_lanes(
 /* End point and posture of the P(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 25
  * multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_posture_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes theta[3],
-    const krhpr_lanes assembly[1], const krhpr_lanes sine[2], const krhpr_lanes cosine[2],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_1,
-    krhpr_lanes *KRHPR_RESTRICT u_2, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at assembly[1], const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u_1,
+    krhpr_lanes_at *KRHPR_RESTRICT u_2, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -126,7 +126,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_posture_lanes(
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_all_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -135,8 +135,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_all_angles_lanes(
 /* End points of the P(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (34 add, 32 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_all_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes theta[3], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -196,8 +197,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_all_lanes(
  * end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2 square root, 2
  * arctangent, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -251,8 +252,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (43 add, 41 multiply, 1 divide, 3
  * square root, 6 arctangent, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -345,8 +346,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (25 add, 22 multiply, 1
  * divide, 3 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_reach_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -392,7 +393,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -401,9 +402,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_posture_angles_lanes(
 /* Posture of the P(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (7
  * add, 10 multiply) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_posture_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_1,
-    krhpr_lanes *KRHPR_RESTRICT u_2)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u_1,
+    krhpr_lanes_at *KRHPR_RESTRICT u_2)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -430,8 +431,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_posture_lanes(
 /* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 37
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -477,9 +478,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (28 add, 49 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -528,9 +529,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
 /* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -566,7 +567,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -576,9 +577,10 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_angles_lanes(
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (64 add, 109 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta_dot[3],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
+    const krhpr_lanes_at theta_dot[3], const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -657,9 +659,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes s_dot[3], krhpr_lanes *KRHPR_RESTRICT theta_dot,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -696,8 +698,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
 /* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
  * 13 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
@@ -718,9 +720,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
 
 /* Passive joints of the P(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_passive_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -763,8 +765,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_passive_lanes(
 
 /* Joints of the P(RR-RRR) sub-leg, from the base to S_i.  (28 add, 26 multiply) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_points_lanes(
-    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);

@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -20,9 +20,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_angles_lanes(
 /* End point of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 17 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes assembly[1],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at assembly[1],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -57,7 +57,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -66,10 +66,10 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_posture_angles_lan
 /* End point and posture of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 17
  * multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_posture_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes assembly[1],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_1, krhpr_lanes *KRHPR_RESTRICT u_2,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at assembly[1],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u_1, krhpr_lanes_at *KRHPR_RESTRICT u_2,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -110,7 +110,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_posture_lanes(
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_all_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -119,8 +119,8 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_all_angles_lanes(
 /* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (24 add, 18 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_all_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -168,9 +168,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_all_lanes(
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes s[2],
-    const krhpr_lanes mode[2], krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at mode[2], krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -215,9 +215,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_lanes(
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (41 add, 33 multiply, 1 divide, 3
  * square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -297,8 +297,8 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (22 add, 16 multiply, 1
  * divide, 3 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_reach_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes s[2],
-    const krhpr_lanes mode[2], krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at mode[2], krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -336,7 +336,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -345,9 +345,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(
 /* Posture of the (RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2
  * add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_posture_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes s[2],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT d,
-    krhpr_lanes *KRHPR_RESTRICT u_1, krhpr_lanes *KRHPR_RESTRICT u_2)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT u_1, krhpr_lanes_at *KRHPR_RESTRICT u_2)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -364,9 +364,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_posture_lanes(
 /* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 25
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT M,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT M,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -401,9 +401,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (18 add, 29 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_project_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes N[2],
-    krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[2],
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -436,9 +436,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_project_lanes(
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_velocity_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes theta_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at theta_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -467,7 +467,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -477,10 +477,10 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (45 add, 71 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes s[2],
-    const krhpr_lanes theta_dot[2], const krhpr_lanes sine[2], const krhpr_lanes cosine[2],
-    krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta_dot[2], const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -536,9 +536,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (14 add, 20 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_rates_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes s_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at s_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -565,9 +565,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_rates_lanes(
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 13 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT det_M,
-    krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M,
+    krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -590,9 +590,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_passive_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT link,
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT link,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -614,9 +614,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_passive_lanes(
 
 /* Joints of the (RR-RRR) sub-leg, from the base to S_i.  (10 add, 2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_points_lanes(
-    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -20,9 +20,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_angles_lanes(
 /* End point of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 15 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes assembly[1],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at assembly[1],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -56,7 +56,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -65,10 +65,10 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_posture_angles_lanes(
 /* End point and posture of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 15
  * multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_posture_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes assembly[1],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_1, krhpr_lanes *KRHPR_RESTRICT u_2,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at assembly[1],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u_1, krhpr_lanes_at *KRHPR_RESTRICT u_2,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -108,7 +108,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_posture_lanes(
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_all_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -117,8 +117,8 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_all_angles_lanes(
 /* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (24 add, 14 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_all_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -165,9 +165,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_all_lanes(
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes mode[2],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at mode[2], krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -208,9 +208,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (22 add, 14 multiply, 2 square root,
  * 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -266,8 +266,8 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (12 add, 4 multiply, 2
  * square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_reach_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -292,7 +292,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -301,9 +301,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_posture_angles_lanes(
 /* Posture of the (RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2
  * add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_posture_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_1,
-    krhpr_lanes *KRHPR_RESTRICT u_2)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT u_1, krhpr_lanes_at *KRHPR_RESTRICT u_2)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -320,8 +320,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_posture_lanes(
 /* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (13 add, 15
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_jacobian_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT M,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -352,9 +353,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_jacobian_lanes(
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (15 add, 19 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_project_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[2],
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -383,9 +384,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_project_lanes(
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (13 add, 15 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_velocity_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at theta_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -409,7 +410,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_bias_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -419,10 +420,10 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_bias_angles_lanes(
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (38 add, 53 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_bias_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes s[2],
-    const krhpr_lanes theta_dot[2], const krhpr_lanes sine[2], const krhpr_lanes cosine[2],
-    krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta_dot[2], const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -470,9 +471,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_bias_lanes(
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (12 add, 10 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_rates_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], const krhpr_lanes s_dot[2], krhpr_lanes *KRHPR_RESTRICT theta_dot,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at s_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -495,8 +496,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_rates_lanes(
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 10 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_determinant_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M,
+    krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -518,9 +520,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_determinant_lanes(
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_passive_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT link,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
@@ -541,8 +543,8 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_passive_lanes(
 
 /* Joints of the (RR-RRR) sub-leg, from the base to S_i.  (4 add) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_points_lanes(
-    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes u_1[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

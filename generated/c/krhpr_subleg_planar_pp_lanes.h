@@ -11,8 +11,8 @@
 
 /* End point of the PP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_forward_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at theta[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -28,8 +28,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_forward_lanes(
 
 /* End point and posture of the PP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_forward_posture_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT v)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at theta[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT v)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -48,8 +48,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_forward_posture_lanes(
 /* Actuated joints of the PP sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (4 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_inverse_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -68,8 +68,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_inverse_lanes(
 /* Every working mode of the PP sub-leg, in the order only; NaN where a mode does not exist.  Thesis: 2.2.3,
  * 2.5.  (4 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_inverse_all_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -87,7 +87,7 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_inverse_all_lanes(
 
 /* Distance by which the end point lies outside the reach of the PP sub-leg.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_reach_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     (void)(g);
     (void)(i);
@@ -96,8 +96,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_reach_lanes(
 
 /* Posture of the PP sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_posture_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT v)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT v)
 {
     (void)(s);
     const krhpr_lanes g_e_2_0 = krhpr_of_leg(g->e_2[0], i);
@@ -108,7 +108,7 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_posture_lanes(
 
 /* Jacobian M_i of the PP sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_jacobian_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -123,7 +123,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_jacobian_lanes(
 /* Rows of K: N M_i for the PP sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_project_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at N[2],
+    krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -135,8 +136,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_project_lanes(
 
 /* Velocity of the end point of the PP sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_velocity_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes theta_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at theta_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -151,8 +152,9 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_velocity_lanes(
 /* Velocity of the end point of the PP sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_bias_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta[2], const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     (void)(s);
     (void)(theta);
@@ -169,8 +171,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_bias_lanes(
 /* Actuated joint rates of the PP sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_rates_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes s_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at s_dot[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -185,8 +187,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_rates_lanes(
 
 /* det M_i of the PP sub-leg and its dimensionless factors: slides.  Thesis: 1.4.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_determinant_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT det_M,
-    krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT det_M,
+    krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     *det_M = g_k_2;
@@ -195,7 +197,7 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_determinant_lanes(
 
 /* Passive joints of the PP sub-leg and the orientation of its last link.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_passive_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_e_2_0 = krhpr_of_leg(g->e_2[0], i);
     const krhpr_lanes g_e_2_1 = krhpr_of_leg(g->e_2[1], i);
@@ -205,8 +207,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_passive_lanes(
 
 /* Joints of the PP sub-leg, from the base to S_i.  (2 add) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_points_lanes(
-    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes v[2], const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at v[2], const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

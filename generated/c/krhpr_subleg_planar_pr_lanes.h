@@ -11,15 +11,15 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_forward_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* End point of the PR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_forward_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes theta[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -34,15 +34,16 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_forward_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* End point and posture of the PR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_forward_posture_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes theta[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT u)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT u)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -60,8 +61,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_forward_posture_lanes(
 /* Actuated joints of the PR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (8 add, 10 multiply, 1 square root, 1 arctangent) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_inverse_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes mode[1],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at s[2], const krhpr_lanes_at mode[1],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -82,8 +83,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_inverse_lanes(
 /* Every working mode of the PR sub-leg, in the order ahead, behind; NaN where a mode does not exist.
  * Thesis: 2.2.3, 2.5.  (11 add, 9 multiply, 1 square root, 2 arctangent) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_inverse_all_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -109,8 +110,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_inverse_all_lanes(
 
 /* Distance by which the end point lies outside the reach of the PR sub-leg.  (4 add, 2 multiply, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_reach_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -122,15 +123,15 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* Posture of the PR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_posture_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes sine[1], const krhpr_lanes cosine[1],
-    krhpr_lanes *KRHPR_RESTRICT u)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT u)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     u[0] = g_l_1 * cosine[0];
@@ -139,7 +140,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_posture_lanes(
 
 /* Jacobian M_i of the PR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_jacobian_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2], krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -153,8 +155,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_jacobian_lanes(
 /* Rows of K: N M_i for the PR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_project_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2], const krhpr_lanes N[2],
-    krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2], const krhpr_lanes_at N[2],
+    krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -164,8 +166,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_project_lanes(
 
 /* Velocity of the end point of the PR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_velocity_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2], const krhpr_lanes theta_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -177,7 +179,7 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_bias_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
@@ -185,9 +187,9 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_bias_angles_lanes(
 /* Velocity of the end point of the PR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (2 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_bias_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes theta_dot[2],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at theta_dot[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
@@ -203,8 +205,9 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_bias_lanes(
 /* Actuated joint rates of the PR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_rates_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2], const krhpr_lanes s_dot[2],
-    krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    const krhpr_lanes_at s_dot[2], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -218,8 +221,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_rates_lanes(
 
 /* det M_i of the PR sub-leg and its dimensionless factors: link.  Thesis: 1.4.  (1 add, 3 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_determinant_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -231,7 +234,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_determinant_lanes(
 
 /* Passive joints of the PR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_passive_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2], krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
     link[0] = u[0] * g_k_1;
@@ -240,8 +244,8 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_passive_lanes(
 
 /* Joints of the PR sub-leg, from the base to S_i.  (2 add) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_points_lanes(
-    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes u[2], const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2], const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

@@ -12,8 +12,9 @@
 /* End point of the (2-PRR) sub-leg from its actuated joints.  Thesis: 3.5.  (14 add, 15 multiply, 1 divide,
  * 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_forward_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes theta[2],
-    const krhpr_lanes assembly[1], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at assembly[1], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -46,9 +47,9 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_forward_lanes(
 /* End point and posture of the (2-PRR) sub-leg from its actuated joints.  Thesis: 3.5.  (24 add, 19
  * multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_forward_posture_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes theta[2],
-    const krhpr_lanes assembly[1], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT w,
-    krhpr_lanes *KRHPR_RESTRICT b, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at assembly[1], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT w,
+    krhpr_lanes_at *KRHPR_RESTRICT b, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -99,8 +100,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_forward_posture_lanes(
 /* End points of the (2-PRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (18 add, 14 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_forward_all_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at theta[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -143,8 +144,9 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_forward_all_lanes(
 /* Actuated joints of the (2-PRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (12 add, 12 multiply, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_inverse_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes mode[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at mode[2], krhpr_lanes_at *KRHPR_RESTRICT theta,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -173,8 +175,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_inverse_lanes(
  * 1-behind/2-ahead, 1-behind/2-behind; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (14 add, 10
  * multiply, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_inverse_all_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -216,8 +218,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the (2-PRR) sub-leg.  (8 add, 4 multiply, 3
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_reach_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -238,8 +240,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_reach_lanes(
 /* Posture of the (2-PRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (10
  * add, 8 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_posture_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT w, krhpr_lanes *KRHPR_RESTRICT b)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT w, krhpr_lanes_at *KRHPR_RESTRICT b)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -266,8 +268,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_posture_lanes(
 /* Jacobian M_i of the (2-PRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_jacobian_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -286,8 +288,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_jacobian_lanes(
 /* Rows of K: N M_i for the (2-PRR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_project_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -302,8 +304,9 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_project_lanes(
 /* Velocity of the end point of the (2-PRR) sub-leg, M theta_dot.  Thesis: (1.9).  (3 add, 11 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_velocity_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -321,9 +324,9 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_velocity_lanes(
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (30 add, 45 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_bias_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta[2], const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -365,8 +368,9 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_bias_lanes(
 /* Actuated joint rates of the (2-PRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_rates_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    const krhpr_lanes s_dot[2], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at s_dot[2], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes w_0 = w[0] * s_dot[0] + w[1] * s_dot[1]; /* A s_dot */
@@ -380,8 +384,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_rates_lanes(
 /* det M_i of the (2-PRR) sub-leg and its dimensionless factors: chain_1, chain_2, volume.  Thesis: 1.4.  (1
  * add, 6 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_determinant_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -395,8 +399,9 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_determinant_lanes(
 /* Passive joints of the (2-PRR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_passive_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4],
-    krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4],
+    krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -416,8 +421,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_passive_lanes(
 
 /* Joints of the (2-PRR) sub-leg, from the base to S_i.  (4 add) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_points_lanes(
-    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

@@ -11,15 +11,15 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_forward_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* End point of the RP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_forward_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes theta[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_h = krhpr_of_leg(g->h, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -32,16 +32,16 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_forward_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* End point and posture of the RP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_forward_posture_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes theta[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT d,
-    krhpr_lanes *KRHPR_RESTRICT u)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u)
 {
     const krhpr_lanes g_h = krhpr_of_leg(g->h, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -59,8 +59,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_forward_posture_lanes(
 /* Actuated joints of the RP sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 7 multiply, 1 square root, 1 arctangent) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_inverse_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes mode[1],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at s[2], const krhpr_lanes_at mode[1],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_h = krhpr_of_leg(g->h, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -78,8 +78,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_inverse_lanes(
 /* Every working mode of the RP sub-leg, in the order rho+, rho-; NaN where a mode does not exist.  Thesis:
  * 2.2.3, 2.5.  (8 add, 6 multiply, 1 square root, 2 arctangent) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_inverse_all_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_h = krhpr_of_leg(g->h, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -104,8 +104,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the RP sub-leg.  (4 add, 2 multiply, 1 square
  * root) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_reach_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -117,15 +117,15 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* Posture of the RP sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_posture_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at s[2], const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -137,8 +137,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_posture_lanes(
 
 /* Jacobian M_i of the RP sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_jacobian_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u[2],
-    krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     (void)(g);
     (void)(i);
@@ -152,8 +152,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_jacobian_lanes(
 /* Rows of K: N M_i for the RP sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_project_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u[2],
-    const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u[2],
+    const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     (void)(g);
     (void)(i);
@@ -163,8 +163,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_project_lanes(
 
 /* Velocity of the end point of the RP sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_velocity_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u[2],
+    const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
     (void)(i);
@@ -176,7 +176,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_bias_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
@@ -184,9 +184,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_bias_angles_lanes(
 /* Velocity of the end point of the RP sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (6 add, 10 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_bias_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta_dot[2],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta_dot[2], const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -203,8 +203,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_bias_lanes(
 /* Actuated joint rates of the RP sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_rates_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u[2],
-    const krhpr_lanes s_dot[2], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u[2],
+    const krhpr_lanes_at s_dot[2], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes rho = d[0] * u[0] + d[1] * u[1];
@@ -216,8 +217,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_rates_lanes(
 
 /* det M_i of the RP sub-leg and its dimensionless factors: slide.  Thesis: 1.4.  (1 add, 3 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_determinant_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes rho = d[0] * u[0] + d[1] * u[1];
@@ -227,7 +228,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_determinant_lanes(
 
 /* Passive joints of the RP sub-leg and the orientation of its last link.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_passive_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes u[2], krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at u[2],
+    krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     (void)(g);
     (void)(i);
@@ -237,8 +239,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rp_passive_lanes(
 
 /* Joints of the RP sub-leg, from the base to S_i.  (2 add, 2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rp_points_lanes(
-    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes u[2], const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_lanes_at u[2], const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_h = krhpr_of_leg(g->h, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);

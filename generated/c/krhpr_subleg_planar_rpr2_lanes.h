@@ -12,8 +12,9 @@
 /* End point of the (2-RPR) sub-leg from its actuated joints.  Thesis: 3.5.  (7 add, 11 multiply, 1 square
  * root) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_forward_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes theta[2],
-    const krhpr_lanes assembly[1], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at assembly[1], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -37,9 +38,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_forward_lanes(
 /* End point and posture of the (2-RPR) sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 11
  * multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_forward_posture_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes theta[2],
-    const krhpr_lanes assembly[1], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT w,
-    krhpr_lanes *KRHPR_RESTRICT b, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at theta[2],
+    const krhpr_lanes_at assembly[1], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT w,
+    krhpr_lanes_at *KRHPR_RESTRICT b, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -73,8 +74,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_forward_posture_lanes(
 /* End points of the (2-RPR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (11 add, 10 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_forward_all_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at theta[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -108,8 +109,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_forward_all_lanes(
 /* Actuated joints of the (2-RPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_inverse_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -127,8 +128,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_inverse_lanes(
 /* Every working mode of the (2-RPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_inverse_all_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -145,7 +146,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_inverse_all_lanes(
 
 /* Distance by which the end point lies outside the reach of the (2-RPR) sub-leg.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_reach_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     (void)(g);
     (void)(i);
@@ -154,8 +155,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_reach_lanes(
 
 /* Posture of the (2-RPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_posture_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta[2],
-    krhpr_lanes *KRHPR_RESTRICT w, krhpr_lanes *KRHPR_RESTRICT b)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT w, krhpr_lanes_at *KRHPR_RESTRICT b)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -176,8 +177,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_posture_lanes(
 /* Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_jacobian_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -196,8 +197,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_jacobian_lanes(
 /* Rows of K: N M_i for the (2-RPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_project_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -212,8 +213,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_project_lanes(
 /* Velocity of the end point of the (2-RPR) sub-leg, M theta_dot.  Thesis: (1.9).  (3 add, 11 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_velocity_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
@@ -231,9 +233,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_velocity_lanes(
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (18 add, 29 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_bias_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta[2], const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -263,8 +265,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_bias_lanes(
 /* Actuated joint rates of the (2-RPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_rates_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    const krhpr_lanes s_dot[2], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at s_dot[2], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes w_0 = w[0] * s_dot[0] + w[1] * s_dot[1]; /* A s_dot */
@@ -278,8 +281,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_rates_lanes(
 /* det M_i of the (2-RPR) sub-leg and its dimensionless factors: chain_1, chain_2, volume.  Thesis: 1.4.  (1
  * add, 6 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_determinant_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes w[4], const krhpr_lanes b[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
@@ -293,8 +296,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_determinant_lanes(
 /* Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_passive_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes w[4],
-    krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4],
+    krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -312,8 +316,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_passive_lanes(
 
 /* Joints of the (2-RPR) sub-leg, from the base to S_i.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rpr2_points_lanes(
-    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_forward_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
@@ -19,8 +19,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_forward_angles_lanes(
 
 /* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_forward_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes sine[2], const krhpr_lanes cosine[2],
-    krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -36,7 +36,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_forward_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
@@ -44,8 +44,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_forward_posture_angles_lanes(
 
 /* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_forward_posture_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes sine[2], const krhpr_lanes cosine[2],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT v_1)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -66,9 +67,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_forward_posture_lanes(
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes mode[1],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2], const krhpr_lanes_at mode[1],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -95,9 +96,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_lanes(
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_all_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -135,8 +136,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square
  * root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_reach_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes s[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -151,7 +152,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_posture_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
@@ -159,8 +160,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_posture_angles_lanes(
 /* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add, 2
  * multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_posture_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2], const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT v_1)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -175,8 +176,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_posture_lanes(
 
 /* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_jacobian_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     (void)(g);
     (void)(i);
@@ -191,8 +192,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_jacobian_lanes(
 /* Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_project_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     (void)(g);
     (void)(i);
@@ -202,8 +203,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_project_lanes(
 
 /* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_velocity_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes theta_dot[2], krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at theta_dot[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
     (void)(i);
@@ -215,7 +216,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_bias_angles_lanes(
-    const krhpr_lanes theta[2], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[2], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
@@ -223,9 +224,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_bias_angles_lanes(
 /* Velocity of the end point of the RR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_bias_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta_dot[2],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta_dot[2], const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -246,8 +247,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_bias_lanes(
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_rates_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes s_dot[2], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at s_dot[2], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
@@ -259,8 +261,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_rates_lanes(
 
 /* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_determinant_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
@@ -270,8 +272,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_determinant_lanes(
 
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_passive_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes v_1[2],
-    krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     link[0] = v_1[0] * g_k_6;
@@ -280,8 +282,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_passive_lanes(
 
 /* Joints of the RR sub-leg, from the base to S_i.  (4 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_points_lanes(
-    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);

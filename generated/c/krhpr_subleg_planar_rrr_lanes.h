@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (2 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     const krhpr_lanes t1 = theta[0] + theta[1];
     angle[0] = t1;
@@ -21,8 +21,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_angles_lanes(
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (6 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes sine[3], const krhpr_lanes cosine[3],
-    krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -41,7 +41,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (2 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     const krhpr_lanes t1 = theta[0] + theta[1];
     angle[0] = t1;
@@ -51,9 +51,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_posture_angles_lanes(
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (6 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_posture_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes sine[3], const krhpr_lanes cosine[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_2,
-    krhpr_lanes *KRHPR_RESTRICT u_3)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT u_2, krhpr_lanes_at *KRHPR_RESTRICT u_3)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -78,7 +78,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_forward_posture_lanes(
 
 /* Angles whose sines and cosines `inverse` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_angles_lanes(
-    krhpr_lanes swivel, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes swivel, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
@@ -86,9 +86,10 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_angles_lanes(
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (17 add, 18 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes mode[1],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at mode[1], const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -120,7 +121,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_lanes(
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_angles_lanes(
-    krhpr_lanes swivel, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes swivel, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
@@ -128,9 +129,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_angles_lanes(
 /* Every working mode of the RRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.3, 2.5.  (23 add, 25 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
@@ -177,7 +178,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_lanes(
 
 /* Angles whose sines and cosines `reach` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_reach_angles_lanes(
-    krhpr_lanes swivel, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes swivel, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
@@ -185,8 +186,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_reach_angles_lanes(
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 4 multiply, 1 square
  * root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_reach_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -202,7 +203,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
@@ -211,9 +212,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_posture_angles_lanes(
 /* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (6 add, 4
  * multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_posture_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_2,
-    krhpr_lanes *KRHPR_RESTRICT u_3)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT u_2, krhpr_lanes_at *KRHPR_RESTRICT u_3)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -233,8 +234,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_posture_lanes(
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (2 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_jacobian_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes u_3[2], krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     (void)(g);
     (void)(i);
@@ -253,8 +254,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_jacobian_lanes(
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (5 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_project_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes u_3[2], const krhpr_lanes N[2], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     (void)(g);
     (void)(i);
@@ -266,8 +267,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_project_lanes(
 
 /* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (6 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_velocity_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes u_3[2], const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     (void)(g);
     (void)(i);
@@ -279,7 +280,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_bias_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
@@ -288,9 +289,10 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_bias_angles_lanes(
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (23 add, 24 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_bias_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes s[2], const krhpr_lanes theta_dot[3],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias, krhpr_lanes *KRHPR_RESTRICT swivel_bias)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
+    const krhpr_lanes_at theta_dot[3], const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias,
+    krhpr_lanes_at *KRHPR_RESTRICT swivel_bias)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -319,9 +321,9 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_bias_lanes(
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (11 add, 13 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_rates_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes u_3[2], const krhpr_lanes s_dot[2], krhpr_lanes swivel_rates,
-    krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at s_dot[2], krhpr_lanes swivel_rates,
+    krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -344,8 +346,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_rates_lanes(
 /* det M_i of the RRR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (12 add, 12 multiply, 1
  * square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_determinant_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes u_3[2], krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes elbow = (u_2[1] * (d[0] - u_2[0] - u_3[0]) - u_2[0] * (d[1] - u_2[1] - u_3[1])) * g_k_5; /* sin(theta_2) */
@@ -360,8 +362,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_determinant_lanes(
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_passive_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes u_3[2],
-    krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at u_3[2],
+    krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     link[0] = u_3[0] * g_k_6;
@@ -370,8 +372,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_passive_lanes(
 
 /* Joints of the RRR sub-leg, from the base to S_i.  (4 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_points_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes u_2[2], const krhpr_lanes u_3[2],
-    const krhpr_lanes s[2], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
@@ -389,8 +391,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_points_lanes(
 
 /* Swivel of the RRR sub-leg.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_swivel_lanes(
-    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes u_3[2],
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at u_3[2],
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     (void)(g);
     (void)(i);
@@ -400,7 +402,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_swivel_lanes(
 
 /* What the joints' accelerations have to give of the swivel's second rate.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_swivel_difference_lanes(
-    krhpr_lanes swivel_accelerations, krhpr_lanes swivel_bias, krhpr_lanes *KRHPR_RESTRICT swivel_along)
+    krhpr_lanes swivel_accelerations, krhpr_lanes swivel_bias, krhpr_lanes_at *KRHPR_RESTRICT swivel_along)
 {
     *swivel_along = swivel_accelerations - swivel_bias;
 }

@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_prr_forward_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
     angle[1] = theta[1];
@@ -19,8 +19,8 @@ KRHPR_INLINE void krhpr_subleg_prr_forward_angles_lanes(
 
 /* End point of the PRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_forward_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes theta[3], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at theta[3], const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -46,7 +46,7 @@ KRHPR_INLINE void krhpr_subleg_prr_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_prr_forward_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
     angle[1] = theta[1];
@@ -54,9 +54,9 @@ KRHPR_INLINE void krhpr_subleg_prr_forward_posture_angles_lanes(
 
 /* End point and posture of the PRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_forward_posture_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes theta[3], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT d,
-    krhpr_lanes *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at theta[3], const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT v_1)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -87,8 +87,8 @@ KRHPR_INLINE void krhpr_subleg_prr_forward_posture_lanes(
 /* Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2 arctangent) */
 KRHPR_INLINE void krhpr_subleg_prr_inverse_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[1],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[1],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -126,8 +126,8 @@ KRHPR_INLINE void krhpr_subleg_prr_inverse_lanes(
 /* Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent) */
 KRHPR_INLINE void krhpr_subleg_prr_inverse_all_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT theta,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -176,7 +176,8 @@ KRHPR_INLINE void krhpr_subleg_prr_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the PRR sub-leg.  (11 add, 8 multiply, 1 square
  * root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_prr_reach_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -201,7 +202,7 @@ KRHPR_INLINE void krhpr_subleg_prr_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_prr_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
@@ -209,8 +210,8 @@ KRHPR_INLINE void krhpr_subleg_prr_posture_angles_lanes(
 /* Posture of the PRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add, 8
  * multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_posture_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT v_1)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
@@ -235,8 +236,8 @@ KRHPR_INLINE void krhpr_subleg_prr_posture_lanes(
 
 /* Jacobian M_i of the PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_jacobian_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -260,8 +261,8 @@ KRHPR_INLINE void krhpr_subleg_prr_jacobian_lanes(
 /* Rows of K: N M_i for the PRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (14 add, 24 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_project_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -287,8 +288,8 @@ KRHPR_INLINE void krhpr_subleg_prr_project_lanes(
 
 /* Velocity of the end point of the PRR sub-leg, M theta_dot.  Thesis: (1.9).  (7 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_velocity_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -307,7 +308,7 @@ KRHPR_INLINE void krhpr_subleg_prr_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_prr_bias_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
@@ -315,9 +316,9 @@ KRHPR_INLINE void krhpr_subleg_prr_bias_angles_lanes(
 /* Velocity of the end point of the PRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (27 add, 40 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_bias_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta_dot[3],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta_dot[3],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
@@ -358,8 +359,9 @@ KRHPR_INLINE void krhpr_subleg_prr_bias_lanes(
 /* Actuated joint rates of the PRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (8 add, 17 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_prr_rates_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes s_dot[3], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -383,8 +385,8 @@ KRHPR_INLINE void krhpr_subleg_prr_rates_lanes(
 
 /* det M_i of the PRR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_determinant_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
@@ -394,7 +396,8 @@ KRHPR_INLINE void krhpr_subleg_prr_determinant_lanes(
 
 /* Passive joints of the PRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_passive_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes v_1[2], krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -426,8 +429,8 @@ KRHPR_INLINE void krhpr_subleg_prr_passive_lanes(
 
 /* Joints of the PRR sub-leg, from the base to S_i.  (14 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_points_lanes(
-    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);

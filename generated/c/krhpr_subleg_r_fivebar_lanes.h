@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -21,9 +21,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_angles_lanes(
 /* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 28 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes assembly[1],
-    const krhpr_lanes sine[3], const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at assembly[1],
+    const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -69,7 +69,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -79,10 +79,11 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_posture_angles_lanes(
 /* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 33
  * multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_posture_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes assembly[1],
-    const krhpr_lanes sine[3], const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT x, krhpr_lanes *KRHPR_RESTRICT e_2, krhpr_lanes *KRHPR_RESTRICT d,
-    krhpr_lanes *KRHPR_RESTRICT u_1, krhpr_lanes *KRHPR_RESTRICT u_2, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at assembly[1],
+    const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s,
+    krhpr_lanes_at *KRHPR_RESTRICT x, krhpr_lanes_at *KRHPR_RESTRICT e_2, krhpr_lanes_at *KRHPR_RESTRICT d,
+    krhpr_lanes_at *KRHPR_RESTRICT u_1, krhpr_lanes_at *KRHPR_RESTRICT u_2,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -140,7 +141,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_posture_lanes(
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_all_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -150,8 +151,8 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_all_angles_lanes(
 /* End points of the R(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (32 add, 35 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_all_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes sine[3], const krhpr_lanes cosine[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -211,9 +212,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_all_lanes(
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[3],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -273,9 +274,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
  * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
  * square root, 7 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -415,8 +416,8 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
  * divide, 4 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[3],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -466,7 +467,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -476,9 +477,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_posture_angles_lanes(
 /* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (11
  * add, 20 multiply) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_posture_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[3],
-    const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT x, krhpr_lanes *KRHPR_RESTRICT e_2,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT u_1, krhpr_lanes *KRHPR_RESTRICT u_2)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT x, krhpr_lanes_at *KRHPR_RESTRICT e_2,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT u_1, krhpr_lanes_at *KRHPR_RESTRICT u_2)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -516,9 +517,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_posture_lanes(
 /* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes u_1[2], const krhpr_lanes u_2[2],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -559,9 +560,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes N[6],
-    krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -605,9 +606,10 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
 /* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes u_1[2], const krhpr_lanes u_2[2],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -639,7 +641,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -650,9 +652,10 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_angles_lanes(
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta_dot[3],
-    const krhpr_lanes sine[3], const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
+    const krhpr_lanes_at theta_dot[3], const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot, krhpr_lanes_at *KRHPR_RESTRICT bias,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_4 = krhpr_of_leg(g->l_4, i);
@@ -746,9 +749,10 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes s_dot[3],
-    krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -781,8 +785,8 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
  * 1.4.  (10 add, 15 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes u_1[2],
-    const krhpr_lanes u_2[2], krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
@@ -807,9 +811,10 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_passive_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes u_1[2], const krhpr_lanes u_2[2],
-    krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
+    krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -847,9 +852,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_passive_lanes(
 
 /* Joints of the R(RR-RRR) sub-leg, from the base to S_i.  (22 add, 20 multiply) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_points_lanes(
-    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes d[2],
-    const krhpr_lanes u_1[2], const krhpr_lanes u_2[2], const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);

@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_rrr_forward_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
     angle[1] = theta[1];
@@ -20,8 +20,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_forward_angles_lanes(
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 15 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_forward_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes sine[3], const krhpr_lanes cosine[3],
-    krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -50,7 +50,7 @@ KRHPR_INLINE void krhpr_subleg_rrr_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_rrr_forward_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
     angle[1] = theta[1];
@@ -59,9 +59,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_forward_posture_angles_lanes(
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (12 add, 20 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_forward_posture_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes sine[3], const krhpr_lanes cosine[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT x, krhpr_lanes *KRHPR_RESTRICT e_2,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT x, krhpr_lanes_at *KRHPR_RESTRICT e_2,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT v_1)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -101,9 +101,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_forward_posture_lanes(
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[2],
-    krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -146,8 +146,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
  * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -209,8 +210,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13 multiply, 2
  * square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_rrr_reach_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[2],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -239,7 +240,7 @@ KRHPR_INLINE void krhpr_subleg_rrr_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrr_posture_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -248,9 +249,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_posture_angles_lanes(
 /* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (13 add, 18
  * multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_posture_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[2],
-    const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT x, krhpr_lanes *KRHPR_RESTRICT e_2,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v_1)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[2],
+    const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT x, krhpr_lanes_at *KRHPR_RESTRICT e_2,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT v_1)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
@@ -286,8 +287,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_posture_lanes(
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 15 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_jacobian_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes v_1[2], krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2], krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -306,8 +307,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_jacobian_lanes(
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (16 add, 28 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_project_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes v_1[2], const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2], const krhpr_lanes_at N[6],
+    krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -328,9 +330,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_project_lanes(
 
 /* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (8 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_velocity_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes v_1[2], const krhpr_lanes theta_dot[3],
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2], const krhpr_lanes_at theta_dot[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -345,7 +347,7 @@ KRHPR_INLINE void krhpr_subleg_rrr_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrr_bias_angles_lanes(
-    const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -354,9 +356,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_bias_angles_lanes(
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_bias_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta_dot[3],
-    const krhpr_lanes sine[2], const krhpr_lanes cosine[2], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta_dot[3],
+    const krhpr_lanes_at sine[2], const krhpr_lanes_at cosine[2], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
@@ -411,9 +413,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_bias_lanes(
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (9 add, 19 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_rrr_rates_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[2], const krhpr_lanes v_1[2], const krhpr_lanes s_dot[3],
-    krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2], const krhpr_lanes_at s_dot[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -435,8 +437,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_rates_lanes(
 /* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1 add, 5
  * multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_determinant_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes d[2], const krhpr_lanes v_1[2],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
@@ -448,8 +450,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_determinant_lanes(
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_passive_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes v_1[2], krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at v_1[2], krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -476,8 +478,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_passive_lanes(
 
 /* Joints of the RRR sub-leg, from the base to S_i.  (8 add, 6 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_points_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes d[2],
-    const krhpr_lanes v_1[2], const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at d[2],
+    const krhpr_lanes_at v_1[2], const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);

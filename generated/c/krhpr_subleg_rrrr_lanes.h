@@ -11,7 +11,7 @@
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrrr_forward_angles_lanes(
-    const krhpr_lanes theta[4], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -21,8 +21,8 @@ KRHPR_INLINE void krhpr_subleg_rrrr_forward_angles_lanes(
 
 /* End point of the 4R sub-leg from its actuated joints.  Thesis: 3.5.  (18 add, 40 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_forward_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes sine[4], const krhpr_lanes cosine[4],
-    krhpr_lanes *KRHPR_RESTRICT s)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at sine[4], const krhpr_lanes_at cosine[4],
+    krhpr_lanes_at *KRHPR_RESTRICT s)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -59,7 +59,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_forward_lanes(
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrrr_forward_posture_angles_lanes(
-    const krhpr_lanes theta[4], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -69,9 +69,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_forward_posture_angles_lanes(
 
 /* End point and posture of the 4R sub-leg from its actuated joints.  Thesis: 3.5.  (18 add, 40 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_forward_posture_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes sine[4], const krhpr_lanes cosine[4],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT x, krhpr_lanes *KRHPR_RESTRICT e_2,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v, krhpr_lanes *KRHPR_RESTRICT e_4)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at sine[4], const krhpr_lanes_at cosine[4],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT x, krhpr_lanes_at *KRHPR_RESTRICT e_2,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT v, krhpr_lanes_at *KRHPR_RESTRICT e_4)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -124,7 +124,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_forward_posture_lanes(
 
 /* Angles whose sines and cosines `inverse` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrrr_inverse_angles_lanes(
-    krhpr_lanes swivel, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes swivel, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
@@ -132,9 +132,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_angles_lanes(
 /* Actuated joints of the 4R sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 66 multiply, 3 divide, 4 square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_inverse_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes mode[2],
-    const krhpr_lanes sine[1], const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
+    const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -197,7 +197,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_lanes(
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_angles_lanes(
-    krhpr_lanes swivel, krhpr_lanes *KRHPR_RESTRICT angle)
+    krhpr_lanes swivel, krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
@@ -205,9 +205,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_angles_lanes(
 /* Every working mode of the 4R sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
  * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (44 add, 76 multiply, 3 divide, 4 square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[1],
-    const krhpr_lanes cosine[1], krhpr_lanes *KRHPR_RESTRICT radicand, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[1],
+    const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -301,7 +301,8 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the 4R sub-leg.  (8 add, 3 multiply, 1 square
  * root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_rrrr_reach_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -318,7 +319,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_reach_lanes(
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrrr_posture_angles_lanes(
-    const krhpr_lanes theta[4], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -328,9 +329,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_posture_angles_lanes(
 /* Posture of the 4R sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (15 add, 23
  * multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_posture_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes sine[3],
-    const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT x, krhpr_lanes *KRHPR_RESTRICT e_2,
-    krhpr_lanes *KRHPR_RESTRICT d, krhpr_lanes *KRHPR_RESTRICT v, krhpr_lanes *KRHPR_RESTRICT e_4)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[3],
+    const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT x, krhpr_lanes_at *KRHPR_RESTRICT e_2,
+    krhpr_lanes_at *KRHPR_RESTRICT d, krhpr_lanes_at *KRHPR_RESTRICT v, krhpr_lanes_at *KRHPR_RESTRICT e_4)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
@@ -377,8 +378,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_posture_lanes(
 
 /* Jacobian M_i of the 4R sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (27 add, 45 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_jacobian_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[3], const krhpr_lanes v[3], const krhpr_lanes e_4[3], krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -410,9 +412,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_jacobian_lanes(
 /* Rows of K: N M_i for the 4R sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (33 add, 53 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_project_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[3], const krhpr_lanes v[3], const krhpr_lanes e_4[3], const krhpr_lanes N[6],
-    krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -445,9 +447,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_project_lanes(
 
 /* Velocity of the end point of the 4R sub-leg, M theta_dot.  Thesis: (1.9).  (22 add, 34 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_velocity_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[3], const krhpr_lanes v[3], const krhpr_lanes e_4[3], const krhpr_lanes theta_dot[4],
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    const krhpr_lanes_at theta_dot[4], krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -472,7 +474,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_velocity_lanes(
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_rrrr_bias_angles_lanes(
-    const krhpr_lanes theta[4], krhpr_lanes *KRHPR_RESTRICT angle)
+    const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -483,9 +485,9 @@ KRHPR_INLINE void krhpr_subleg_rrrr_bias_angles_lanes(
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (122 add, 194 multiply, 2 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_bias_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta_dot[4],
-    const krhpr_lanes sine[3], const krhpr_lanes cosine[3], krhpr_lanes *KRHPR_RESTRICT s_dot,
-    krhpr_lanes *KRHPR_RESTRICT bias, krhpr_lanes *KRHPR_RESTRICT swivel_bias)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta_dot[4],
+    const krhpr_lanes_at sine[3], const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias, krhpr_lanes_at *KRHPR_RESTRICT swivel_bias)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
@@ -591,9 +593,10 @@ KRHPR_INLINE void krhpr_subleg_rrrr_bias_lanes(
 /* Actuated joint rates of the 4R sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (33 add, 56 multiply, 4 divide, 2 square root, 7 select) */
 KRHPR_INLINE void krhpr_subleg_rrrr_rates_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes d[3], const krhpr_lanes v[3], const krhpr_lanes e_4[3], const krhpr_lanes s_dot[3],
-    krhpr_lanes swivel_rates, krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    const krhpr_lanes_at s_dot[3], krhpr_lanes swivel_rates, krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -641,8 +644,8 @@ KRHPR_INLINE void krhpr_subleg_rrrr_rates_lanes(
 /* det M_i of the 4R sub-leg and its dimensionless factors: shoulder, elbow, distance, axis.  Thesis: 1.4.
  * (28 add, 53 multiply, 3 square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_determinant_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes d[3], const krhpr_lanes v[3],
-    const krhpr_lanes e_4[3], krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at d[3], const krhpr_lanes_at v[3],
+    const krhpr_lanes_at e_4[3], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
@@ -684,8 +687,8 @@ KRHPR_INLINE void krhpr_subleg_rrrr_determinant_lanes(
 
 /* Passive joints of the 4R sub-leg and the orientation of its last link.  (21 add, 36 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_passive_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes v[3], const krhpr_lanes e_4[3], krhpr_lanes *KRHPR_RESTRICT link)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3], krhpr_lanes_at *KRHPR_RESTRICT link)
 {
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
@@ -710,8 +713,8 @@ KRHPR_INLINE void krhpr_subleg_rrrr_passive_lanes(
 
 /* Joints of the 4R sub-leg, from the base to S_i.  (9 add, 9 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_points_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes x[3], const krhpr_lanes e_2[3],
-    const krhpr_lanes v[3], const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at v[3], const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -738,8 +741,8 @@ KRHPR_INLINE void krhpr_subleg_rrrr_points_lanes(
 
 /* Swivel of the 4R sub-leg.  (9 add, 10 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_swivel_lanes(
-    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes d[3], const krhpr_lanes v[3],
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at d[3], const krhpr_lanes_at v[3],
+    krhpr_lanes_at *KRHPR_RESTRICT tail_y, krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     (void)(g);
     (void)(i);
@@ -755,7 +758,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_swivel_lanes(
 
 /* What the joints' accelerations have to give of the swivel's second rate.  (1 add) */
 KRHPR_INLINE void krhpr_subleg_rrrr_swivel_difference_lanes(
-    krhpr_lanes swivel_accelerations, krhpr_lanes swivel_bias, krhpr_lanes *KRHPR_RESTRICT swivel_along)
+    krhpr_lanes swivel_accelerations, krhpr_lanes swivel_bias, krhpr_lanes_at *KRHPR_RESTRICT swivel_along)
 {
     *swivel_along = swivel_accelerations - swivel_bias;
 }

@@ -12,8 +12,8 @@
 /* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14 multiply, 2
  * select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_forward_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes theta[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -42,8 +42,9 @@ KRHPR_INLINE void krhpr_subleg_tripteron_forward_lanes(
 /* End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14
  * multiply, 2 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_forward_posture_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes theta[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT rho, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT rho,
+    krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -75,8 +76,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_forward_posture_lanes(
 /* Actuated joints of the (Tripteron) sub-leg in one working mode.  The mode is given by signs; NaN where
  * the end point is out of reach.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_inverse_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -111,8 +112,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_inverse_lanes(
 /* Every working mode of the (Tripteron) sub-leg, in the order only; NaN where a mode does not exist.
  * Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_inverse_all_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT theta, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);
@@ -147,8 +148,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_inverse_all_lanes(
 /* Distance by which the end point lies outside the reach of the (Tripteron) sub-leg.  (20 add, 11 multiply,
  * 3 square root, 5 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_reach_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
     const krhpr_lanes g_l_3 = krhpr_of_leg(g->l_3, i);
@@ -184,8 +185,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_reach_lanes(
 /* Posture of the (Tripteron) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (no
  * operations) */
 KRHPR_INLINE void krhpr_subleg_tripteron_posture_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta[3],
-    krhpr_lanes *KRHPR_RESTRICT rho)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at s[3],
+    const krhpr_lanes_at theta[3], krhpr_lanes_at *KRHPR_RESTRICT rho)
 {
     (void)(g);
     (void)(i);
@@ -197,7 +198,7 @@ KRHPR_INLINE void krhpr_subleg_tripteron_posture_lanes(
 
 /* Jacobian M_i of the (Tripteron) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
 KRHPR_INLINE void krhpr_subleg_tripteron_jacobian_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT M)
+    const krhpr_subleg_tripteron_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT M)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -221,7 +222,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_jacobian_lanes(
 /* Rows of K: N M_i for the (Tripteron) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (10 add, 16 multiply) */
 KRHPR_INLINE void krhpr_subleg_tripteron_project_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at N[6],
+    krhpr_lanes_at *KRHPR_RESTRICT K)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -247,8 +249,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_project_lanes(
 
 /* Velocity of the end point of the (Tripteron) sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8 multiply) */
 KRHPR_INLINE void krhpr_subleg_tripteron_velocity_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes theta_dot[3],
-    krhpr_lanes *KRHPR_RESTRICT s_dot)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at theta_dot[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s_dot)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -266,8 +268,9 @@ KRHPR_INLINE void krhpr_subleg_tripteron_velocity_lanes(
 /* Velocity of the end point of the (Tripteron) sub-leg and the part of its acceleration that does not
  * depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (5 add, 8 multiply) */
 KRHPR_INLINE void krhpr_subleg_tripteron_bias_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta[3],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at s[3],
+    const krhpr_lanes_at theta[3], const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias)
 {
     (void)(s);
     (void)(theta);
@@ -290,8 +293,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_bias_lanes(
 /* Actuated joint rates of the (Tripteron) sub-leg from the velocity of its end point: B^-1 A s_dot.
  * Linear, so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply) */
 KRHPR_INLINE void krhpr_subleg_tripteron_rates_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes s_dot[3],
-    krhpr_lanes *KRHPR_RESTRICT theta_dot)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at s_dot[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta_dot)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -312,8 +315,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_rates_lanes(
 /* det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis:
  * 1.4.  (11 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_tripteron_determinant_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes rho[3],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at rho[3],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
@@ -331,10 +334,10 @@ KRHPR_INLINE void krhpr_subleg_tripteron_determinant_lanes(
 /* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
  * square root, 4 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes rho[3],
-    krhpr_lanes *KRHPR_RESTRICT link, krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT regularity, krhpr_lanes *KRHPR_RESTRICT tail_y,
-    krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at rho[3],
+    krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -406,9 +409,9 @@ KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
 /* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3 square root,
  * 4 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
-    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes rho[3], const krhpr_lanes s[3],
-    krhpr_lanes *KRHPR_RESTRICT points, krhpr_lanes *KRHPR_RESTRICT radicand,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at rho[3], const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT radicand,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_c_0 = krhpr_of_leg(g->c[0], i);
     const krhpr_lanes g_c_1 = krhpr_of_leg(g->c[1], i);

@@ -12,8 +12,8 @@
 /* End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply, 1 divide,
  * 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_upu3_forward_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes theta[3], const krhpr_lanes s_near[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at s_near[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -48,9 +48,9 @@ KRHPR_INLINE void krhpr_subleg_upu3_forward_lanes(
 /* End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 25
  * multiply, 1 divide, 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_upu3_forward_posture_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes theta[3], const krhpr_lanes s_near[3],
-    krhpr_lanes *KRHPR_RESTRICT s, krhpr_lanes *KRHPR_RESTRICT w, krhpr_lanes *KRHPR_RESTRICT b,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at s_near[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT w,
+    krhpr_lanes_at *KRHPR_RESTRICT b, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -115,8 +115,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_forward_posture_lanes(
 /* End points of the (3-UPU) sub-leg in every assembly mode: first the one on the side of the normal; NaN
  * where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_upu3_forward_all_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes theta[3], krhpr_lanes *KRHPR_RESTRICT s,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -156,8 +156,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_forward_all_lanes(
 /* Actuated joints of the (3-UPU) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root) */
 KRHPR_INLINE void krhpr_subleg_upu3_inverse_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT theta,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -186,8 +186,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_inverse_lanes(
 /* Every working mode of the (3-UPU) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.4.  (15 add, 9 multiply, 3 square root) */
 KRHPR_INLINE void krhpr_subleg_upu3_inverse_all_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT theta,
-    krhpr_lanes *KRHPR_RESTRICT radicand)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -215,7 +215,7 @@ KRHPR_INLINE void krhpr_subleg_upu3_inverse_all_lanes(
 
 /* Distance by which the end point lies outside the reach of the (3-UPU) sub-leg.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_upu3_reach_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, krhpr_lanes *KRHPR_RESTRICT excess)
+    const krhpr_subleg_upu3_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     (void)(g);
     (void)(i);
@@ -224,8 +224,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_reach_lanes(
 
 /* Posture of the (3-UPU) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add) */
 KRHPR_INLINE void krhpr_subleg_upu3_posture_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta[3],
-    krhpr_lanes *KRHPR_RESTRICT w, krhpr_lanes *KRHPR_RESTRICT b)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta[3],
+    krhpr_lanes_at *KRHPR_RESTRICT w, krhpr_lanes_at *KRHPR_RESTRICT b)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -262,8 +262,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_posture_lanes(
 /* Jacobian M_i of the (3-UPU) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_upu3_jacobian_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    krhpr_lanes *KRHPR_RESTRICT M, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -295,8 +295,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_jacobian_lanes(
 /* Rows of K: N M_i for the (3-UPU) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_upu3_project_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes N[6], krhpr_lanes *KRHPR_RESTRICT K, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -325,8 +325,9 @@ KRHPR_INLINE void krhpr_subleg_upu3_project_lanes(
 /* Velocity of the end point of the (3-UPU) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_upu3_velocity_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
     const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
@@ -353,9 +354,9 @@ KRHPR_INLINE void krhpr_subleg_upu3_velocity_lanes(
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (76 add, 88 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_upu3_bias_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes s[3], const krhpr_lanes theta[3],
-    const krhpr_lanes theta_dot[3], krhpr_lanes *KRHPR_RESTRICT s_dot, krhpr_lanes *KRHPR_RESTRICT bias,
-    krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at theta[3],
+    const krhpr_lanes_at theta_dot[3], krhpr_lanes_at *KRHPR_RESTRICT s_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT bias, krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);
@@ -433,8 +434,9 @@ KRHPR_INLINE void krhpr_subleg_upu3_bias_lanes(
 /* Actuated joint rates of the (3-UPU) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_upu3_rates_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    const krhpr_lanes s_dot[3], krhpr_lanes *KRHPR_RESTRICT theta_dot, krhpr_lanes *KRHPR_RESTRICT regularity)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
 {
     const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes w_0 = w[0] * s_dot[0] + w[1] * s_dot[1] + w[2] * s_dot[2]; /* A s_dot */
@@ -450,8 +452,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_rates_lanes(
 /* det M_i of the (3-UPU) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume,
  * constraint.  Thesis: 1.4.  (19 add, 37 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_upu3_determinant_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes w[9], const krhpr_lanes b[3],
-    krhpr_lanes *KRHPR_RESTRICT det_M, krhpr_lanes *KRHPR_RESTRICT factors)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
     const krhpr_lanes g_x_0 = krhpr_of_leg(g->x[0], i);
     const krhpr_lanes g_x_1 = krhpr_of_leg(g->x[1], i);
@@ -483,8 +485,9 @@ KRHPR_INLINE void krhpr_subleg_upu3_determinant_lanes(
 /* Passive joints of the (3-UPU) sub-leg and the orientation of its last link.  (9 add, 18 multiply, 3
  * square root) */
 KRHPR_INLINE void krhpr_subleg_upu3_passive_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes w[9], krhpr_lanes *KRHPR_RESTRICT link,
-    krhpr_lanes *KRHPR_RESTRICT tail_y, krhpr_lanes *KRHPR_RESTRICT tail_x)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at w[9],
+    krhpr_lanes_at *KRHPR_RESTRICT link, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
     const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
     const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
@@ -534,7 +537,8 @@ KRHPR_INLINE void krhpr_subleg_upu3_passive_lanes(
 
 /* Joints of the (3-UPU) sub-leg, from the base to S_i.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_upu3_points_lanes(
-    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes s[3], krhpr_lanes *KRHPR_RESTRICT points)
+    const krhpr_subleg_upu3_geometry *g, int i, const krhpr_lanes_at s[3],
+    krhpr_lanes_at *KRHPR_RESTRICT points)
 {
     const krhpr_lanes g_g_0 = krhpr_of_leg(g->g[0], i);
     const krhpr_lanes g_g_1 = krhpr_of_leg(g->g[1], i);

@@ -9,7 +9,7 @@ from krhpr.codegen.composition import STATUS_DOC, RobotCode, Status
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
 from krhpr.codegen.targets.base import File, render
-from krhpr.codegen.targets.c_batch import PARAMETERS, batch_view, goes_side_by_side
+from krhpr.codegen.targets.c_batch import PARAMETERS, SOA_PARAMETERS, batch_view, goes_side_by_side
 from krhpr.codegen.targets.c_defaults import default_constants
 from krhpr.codegen.targets.c_functions import function_view, prototype
 from krhpr.codegen.targets.c_kernels import (
@@ -85,6 +85,7 @@ class CTarget:
                 f"const double fields[{field_count(robot)}]",
             ],
             "batch_parameters": PARAMETERS,
+            "soa_parameters": SOA_PARAMETERS,
             "defaults": default_constants(robot, [f for f in robot.functions if not f.steps]),
             "batch_defaults": default_constants(robot, filter(goes_side_by_side, robot.functions)),
         }

@@ -22,6 +22,10 @@ PARAMETERS = [
 """Parameters of every batch function, after the geometry."""
 
 
+SOA_PARAMETERS = ["size_t count", "size_t block", *PARAMETERS[1:6]]
+"""Those of its form for a structure of arrays."""
+
+
 @dataclass(frozen=True)
 class Argument:
     """An input or output: its name, its numbers for one pose, and what stands for it where it is NULL."""
@@ -40,7 +44,9 @@ class BatchView:
     inputs: tuple[Argument, ...]
     outputs: tuple[Argument, ...]
     arguments: tuple[str, ...]
-    """Those of the call for pose k."""
+    """Those of the call for pose k of an array of structures."""
+    values: tuple[str, ...]
+    """Those of a call with variables."""
 
     @property
     def names(self) -> list[str]:
@@ -64,7 +70,17 @@ def batch_view(robot: RobotCode, function: RobotFunction) -> BatchView:
             *(_input(port, index) for index, port in enumerate(function.inputs)),
             *(f"out[{index}] + k * out_step[{index}]" for index in range(len(function.outputs))),
         ),
+        values=(
+            *(_value(port, index) for index, port in enumerate(function.inputs)),
+            *(port.name for port in function.outputs),
+        ),
     )
+
+
+def _value(port: Port, index: int) -> str:
+    if default(port):
+        return f"in[{index}] ? {port.name} : NULL"
+    return port.name if port.full_shape else f"{port.name}[0]"
 
 
 def _input(port: Port, index: int) -> str:

@@ -94,9 +94,9 @@ class GuardView:
 
 def _full_parameter(port: Port, *, output: bool = False, writing: Writing = NUMBER) -> str:
     if output:
-        return f"{writing.real} *KRHPR_RESTRICT {port.name}"
+        return f"{writing.array} *KRHPR_RESTRICT {port.name}"
     array = port.full_shape or writing is LANES  # vectors do not go through registers
-    return f"const {writing.real} {port.name}[{port.full_size}]" if array else f"{writing.real} {port.name}"
+    return f"const {writing.array} {port.name}[{port.full_size}]" if array else f"{writing.real} {port.name}"
 
 
 def prototype(robot: RobotCode, function: RobotFunction) -> dict[str, object]:

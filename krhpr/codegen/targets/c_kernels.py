@@ -64,8 +64,8 @@ def lanes_view(part: str, kernel: Kernel) -> KernelView:
     used = {ref.port.split(".")[0] for ref in body.inputs_used}
     real = LANES.real
     parameters = [f"const krhpr_{part}_geometry *g", "int i"] if kernel.geometry else []
-    parameters += [_parameter(port, real=real) for port in kernel.inputs]
-    parameters += [_parameter(port, output=True, real=real) for port in kernel.outputs]
+    parameters += [_parameter(port, writing=LANES) for port in kernel.inputs]
+    parameters += [_parameter(port, output=True, writing=LANES) for port in kernel.outputs]
     unused = [port.name for port in kernel.inputs if port.name not in used]
     if kernel.geometry and "g" not in used:
         unused[:0] = ["g", "i"]
@@ -124,10 +124,10 @@ def _fields_of_g(kernel: Kernel, text: str) -> str:
     return re.sub(rf"(?<![\w>.])({names})(?![\w\[])", r"g->\1[i]", text)
 
 
-def _parameter(port: Port, *, output: bool = False, real: str = NUMBER.real) -> str:
+def _parameter(port: Port, *, output: bool = False, writing: Writing = NUMBER) -> str:
     if output:
-        return f"{real} *KRHPR_RESTRICT {port.name}"
-    return f"const {real} {port.name}[{port.size}]" if port.shape else f"{real} {port.name}"
+        return f"{writing.array} *KRHPR_RESTRICT {port.name}"
+    return f"const {writing.array} {port.name}[{port.size}]" if port.shape else f"{writing.real} {port.name}"
 
 
 def _element(port: Port, index: int, *, output: bool = False) -> str:

@@ -11,6 +11,8 @@ class Writing(ABC):
     """The types, and the few functions that differ."""
 
     real: str
+    array: str
+    """The type of the elements of arrays that are parameters."""
     ints: str
     prefix: str
     suffix: str
@@ -78,7 +80,13 @@ class Lanes(Writing):
         return f"krhpr_where({condition}, {then}, {otherwise})"
 
 
-NUMBER = Number("double", "int", "krhpr_", "", "fabs", "copysign")
+NUMBER = Number("double", "double", "int", "krhpr_", "", "fabs", "copysign")
 LANES = Lanes(
-    "krhpr_lanes", "krhpr_ints", "krhpr_lanes_", "_lanes", "krhpr_lanes_fabs", "krhpr_lanes_copysign"
+    "krhpr_lanes",
+    "krhpr_lanes_at",
+    "krhpr_ints",
+    "krhpr_lanes_",
+    "_lanes",
+    "krhpr_lanes_fabs",
+    "krhpr_lanes_copysign",
 )
