@@ -68,7 +68,11 @@ def c_contenders(workload: Workload, folder: Path) -> list[Contender] | Missing:
         + mode
         + f"{workload.prototype()}\n{{\n    {CALL[workload.key].format(robot=name)};\n}}\n"
     )
-    options = {"legs in lanes": (), "legs in lanes, libm": ("-DKRHPR_LIBM",), "plain C99": ("-DKRHPR_LANES=1",)}
+    options = {
+        "legs in lanes": (),
+        "legs in lanes, libm": ("-DKRHPR_LIBM",),
+        "plain C99": ("-DKRHPR_LANES=1",),
+    }
     singles = [
         Contender(OURS, workload.key, variant, glue, include_dirs=(str(folder),), extra_flags=flags)
         for variant, flags in options.items()
@@ -131,7 +135,7 @@ def write_robot(workload: Workload, folder: Path) -> RobotCode:
     if workload.key == "w5":
         sizes_of_leg = {**robot.default_geometry, "l_3": (sizes.HYBRID.l3,) * 3}
         robot = replace(robot, default_geometry=sizes_of_leg)
-    robot = replace(robot, functions=(_function(robot, workload.key),))
+    robot = replace(robot, functions=(_function(robot, workload.key),), default_mode=MODE_SIGNS)
     folder.mkdir(parents=True, exist_ok=True)
     target = CTarget()
     for file in (*target.shared(), *(f for part in parts for f in target.part(part)), *target.robot(robot)):

@@ -9,9 +9,10 @@ import functools
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from pathlib import Path
 from types import ModuleType
@@ -20,10 +21,13 @@ from typing import Any, Protocol
 import numpy as np
 
 from krhpr.native import (
+    SPEED_FLAGS,
+    Bound,
     CompilationError,
     NoCompiler,
+    bind,
     compile_library,
-    extension_path,
+    extension_paths,
     function_address,
     load_library,
     make_gufunc,
@@ -49,6 +53,21 @@ class Backend(Protocol):
     def call(self, function: str, inputs: Sequence[Any], out: tuple[Any, ...] | None) -> tuple[Any, ...]:
         """Outputs in order, then the status."""
 
+    def bind(self, function: str, inputs: tuple[Any, ...], outputs: tuple[Any, ...]) -> Bound:
+        """A function of one pose on (named) tuples of arrays of float64."""
+
+
+@dataclass
+class _BoundNumpy:
+    """A function of the NumPy module on arrays that are bound once."""
+
+    inputs: Any
+    outputs: Any
+    compute: Callable[[Any, tuple[Any, ...]], tuple[Any, ...]]
+
+    def __call__(self) -> int:
+        return int(self.compute(self.inputs, self.outputs)[-1])
+
 
 class NumpyBackend:
     """The generated NumPy module; needs no compiler."""
@@ -71,6 +90,10 @@ class NumpyBackend:
                 result if target is None else target for target, result in zip(out, results, strict=True)
             )
         return (*results, status)
+
+    def bind(self, function: str, inputs: tuple[Any, ...], outputs: tuple[Any, ...]) -> Bound:
+        """A function of one pose on (named) tuples of arrays."""
+        return _BoundNumpy(inputs, outputs, partial(self.call, function))
 
 
 class CompiledBackend:
@@ -109,6 +132,11 @@ class CompiledBackend:
         gufunc = self.gufunc(function)
         outputs: Any = gufunc(*inputs) if out is None else gufunc(*inputs, out=(*out, None))
         return tuple(outputs)
+
+    def bind(self, function: str, inputs: tuple[Any, ...], outputs: tuple[Any, ...]) -> Bound:
+        """A function of one pose on (named) tuples of arrays."""
+        address = function_address(self._library, f"{self._prefix}_{function}_batch")
+        return bind(address, self._geometry, inputs, outputs, self._library)
 
     def _prepare(self, geometry: Any) -> bytes:
         size = getattr(self._library, f"{self._prefix}_geometry_size")
@@ -157,14 +185,15 @@ def compile_robot(identifier: str, folder: Path | None = None) -> Path:
     """
     folder = folder or c_sources()
     sources = [folder / f"krhpr_{identifier}{kind}.c" for kind in ("", "_batch")]
-    return compile_library(f"krhpr_{identifier}", sources, include_dirs=[folder])
+    flags = (*SPEED_FLAGS, "-DKRHPR_WITHOUT_SOA")  # nothing here calls them
+    return compile_library(f"krhpr_{identifier}", sources, include_dirs=[folder], flags=flags)
 
 
-def compile_extension() -> Path:
-    """The compiled extension that makes NumPy functions of libraries; compiles it unless that was done
+def compile_extension() -> tuple[Path, ...]:
+    """The compiled extensions that make Python functions of libraries; compiles them unless that was done
     before.
     """
-    return extension_path()
+    return extension_paths()
 
 
 @cache
@@ -173,7 +202,7 @@ def _library(identifier: str) -> ctypes.CDLL:
 
 
 @cache
-def _extension() -> Path:
+def _extension() -> tuple[Path, ...]:
     return compile_extension()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import ModuleType
@@ -25,6 +26,10 @@ from krhpr.errors import (
 )
 from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 from krhpr.limits import Limits
+from krhpr.native import Bound
+
+SIGNS = ("side", "turned")
+"""Inputs that are +1 or -1."""
 
 ROTATION_TOLERANCE = 1e-6
 """Largest element of |Q^T Q - I| that passes for a rotation matrix."""
@@ -204,6 +209,41 @@ class Calls:
         if function not in self.functions:
             raise self._unknown(function)
         return self._answer(function, inputs, options)
+
+    def bind(self, function: str) -> Bound:
+        """A function of one pose on arrays of its own, for control loops: nothing is checked or allocated.
+
+            inverse = robot.bind("inverse")
+            inverse.inputs.p[:] = 0.0, 0.0, 0.35
+            ...
+            status = inverse()  # 0, or a Status
+            inverse.outputs.theta
+
+        `inputs` and `outputs` are named tuples of arrays in the order of `signature(function)`, numbers as
+        arrays without dimensions.  Those that choose a mode, a side or a box begin with their defaults, the
+        others as NaN.  Threads that share one must take turns.
+        """
+        signature = self.signature(function)
+        inputs = [np.full(port.shape, np.nan) for port in signature.inputs]
+        for port, array in zip(signature.inputs, inputs, strict=True):
+            array[...] = self._default_of(port.name)
+        outputs = [np.full(port.shape, np.nan) for port in signature.outputs]
+        name = "".join(word.capitalize() for word in function.split("_"))
+        named = (
+            namedtuple(f"{name}Inputs", [port.name for port in signature.inputs])(*inputs),
+            namedtuple(f"{name}Outputs", [port.name for port in signature.outputs])(*outputs),
+        )
+        return self._backend.bind(function, *named)
+
+    def _default_of(self, name: str) -> Any:
+        """What an input begins with where it is bound."""
+        if name == "mode":
+            return self.mode_signs()
+        if name == "assembly":
+            return self.assembly_signs()
+        if name == "box":
+            return self._module.DEFAULT_BOX
+        return 1.0 if name in SIGNS else 0.0 if name == "swivel" else np.nan
 
     def _unknown(self, function: str) -> AttributeError:
         return AttributeError(

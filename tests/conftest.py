@@ -9,7 +9,7 @@ import pytest
 from hypothesis import settings
 
 from krhpr.backend import SLOWER
-from krhpr.native import NoCompiler, extension_path, find_compiler
+from krhpr.native import NoCompiler, extension_paths, find_compiler
 
 # The same examples on every run and machine; no deadline, as kernels are compiled or derived on first use.
 settings.register_profile("small", deadline=None, derandomize=True, max_examples=50)
@@ -29,7 +29,7 @@ def no_compiler() -> str:
     """Why there are no compiled kernels here; empty where there are."""
     try:
         find_compiler()
-        extension_path()
+        extension_paths()
     except NoCompiler as error:
         return str(error)
     return ""

@@ -646,7 +646,7 @@ def test_without_the_headers_of_python_it_falls_back_too(monkeypatch: pytest.Mon
 
     backend_module._extension.cache_clear()
     backend_module._warn_slow.cache_clear()
-    monkeypatch.setattr(backend_module, "extension_path", missing)
+    monkeypatch.setattr(backend_module, "extension_paths", missing)
     with pytest.warns(RuntimeWarning, match="headers are missing"):
         assert krhpr.load("planar_rr_a").backend == "numpy"
 

@@ -9,9 +9,12 @@
 
 #include "krhpr.h"
 
-/* How many lanes: 1, 2, 4 or 8, for legs at most 4.  Define it yourself, or have as many as the target has registers for. */
+/* How many lanes: 1, 2, 4, and 8 for poses (KRHPR_POSES sets those alone).  Define it yourself, or have as many as the
+ * target has registers for. */
 #ifndef KRHPR_LANES
-#if !defined(__GNUC__)
+#if defined(KRHPR_POSES) && defined(KRHPR_LANES_ARE_POSES)
+#define KRHPR_LANES KRHPR_POSES
+#elif !defined(__GNUC__)
 #define KRHPR_LANES 1
 #elif defined(__AVX512F__) && defined(KRHPR_LANES_ARE_POSES)
 #define KRHPR_LANES 8
@@ -123,7 +126,8 @@ static inline krhpr_lanes krhpr_where(krhpr_ints condition, krhpr_lanes then, kr
 #if KRHPR_LANES == 1
     return condition ? then : otherwise;
 #else
-    return (krhpr_lanes)((condition & (krhpr_ints)then) | (~condition & (krhpr_ints)otherwise));
+    /* a sum where `or` would do, since gcc makes one instruction of this form alone */
+    return (krhpr_lanes)((condition & (krhpr_ints)then) + (~condition & (krhpr_ints)otherwise));
 #endif
 }
 
@@ -131,6 +135,16 @@ static inline int krhpr_any(krhpr_ints condition)
 {
 #if KRHPR_LANES == 1
     return condition;
+#elif KRHPR_LANES == 8 && defined(KRHPR_SHUFFLE)
+    typedef long long krhpr_half __attribute__((vector_size(32)));
+    typedef long long krhpr_quarter __attribute__((vector_size(16)));
+    const krhpr_half four = KRHPR_SHUFFLE(condition, condition, 0, 1, 2, 3) | KRHPR_SHUFFLE(condition, condition, 4, 5, 6, 7);
+    const krhpr_quarter two = KRHPR_SHUFFLE(four, four, 0, 1) | KRHPR_SHUFFLE(four, four, 2, 3);
+    return (two[0] | two[1]) != 0;
+#elif KRHPR_LANES == 4 && defined(KRHPR_SHUFFLE)
+    typedef long long krhpr_half __attribute__((vector_size(16)));
+    const krhpr_half two = KRHPR_SHUFFLE(condition, condition, 0, 1) | KRHPR_SHUFFLE(condition, condition, 2, 3);
+    return (two[0] | two[1]) != 0;
 #else
     long long any = 0;
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {

@@ -19,7 +19,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_end_points_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -31,12 +30,16 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_end_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_end_points_batch(
@@ -44,7 +47,8 @@ KRHPR_API int krhpr_planar_prr2_c_end_points_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -58,9 +62,19 @@ KRHPR_API int krhpr_planar_prr2_c_end_points_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_end_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_end_points_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -92,13 +106,13 @@ KRHPR_API int krhpr_planar_prr2_c_end_points_soa(
     }
     return first;
 }
+#endif
 
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_redundant_coordinates_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -110,12 +124,16 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_redundant_coordinates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, redundant, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_redundant_coordinates_batch(
@@ -123,7 +141,8 @@ KRHPR_API int krhpr_planar_prr2_c_redundant_coordinates_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -137,9 +156,19 @@ KRHPR_API int krhpr_planar_prr2_c_redundant_coordinates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_redundant_coordinates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_redundant_coordinates_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -171,32 +200,37 @@ KRHPR_API int krhpr_planar_prr2_c_redundant_coordinates_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_subleg_forward_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at theta[6], const krhpr_lanes_at assembly[3],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_prr2_forward_lanes(
             &g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, s + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, s + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_subleg_forward_batch(
@@ -204,7 +238,8 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[6];
@@ -216,9 +251,18 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_subleg_forward(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_subleg_forward_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -253,31 +297,36 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_subleg_forward_all_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_prr2_forward_all_lanes(&g->subleg, i, theta + 2 * i, s + 4 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, s + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, s + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 12);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_subleg_forward_all_batch(
@@ -285,7 +334,8 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[6];
@@ -295,9 +345,17 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_subleg_forward_all_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -325,31 +383,36 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_subleg_inverse_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_prr2_inverse_all_lanes(&g->subleg, i, s + 2 * i, theta + 8 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 8 * i, 8);
-        }
+        krhpr_poses_keep(kept_1, theta + 8 * i, 8);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 24);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 24);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_subleg_inverse_batch(
@@ -357,7 +420,8 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_inverse_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -367,9 +431,17 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 24, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_subleg_inverse_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -397,13 +469,13 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_subleg_jacobian_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes regularity[3];
     for (int i = 0; i < 3; ++i) {
@@ -412,19 +484,24 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_subleg_jacobian_lanes(
         krhpr_subleg_planar_prr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_prr2_jacobian_lanes(&g->subleg, i, w, b, M + 4 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, M + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, M + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, M, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, M, 12);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_subleg_jacobian_batch(
@@ -432,7 +509,8 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_jacobian_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -444,9 +522,18 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_jacobian_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_subleg_jacobian_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -476,13 +563,13 @@ KRHPR_API int krhpr_planar_prr2_c_subleg_jacobian_soa(
     }
     return first;
 }
+#endif
 
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_constraints_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -494,12 +581,16 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_constraints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, residual, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, residual, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_constraints_batch(
@@ -507,7 +598,8 @@ KRHPR_API int krhpr_planar_prr2_c_constraints_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -521,9 +613,19 @@ KRHPR_API int krhpr_planar_prr2_c_constraints_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_constraints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_constraints_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -555,6 +657,7 @@ KRHPR_API int krhpr_planar_prr2_c_constraints_soa(
     }
     return first;
 }
+#endif
 
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_jacobians_lanes(
@@ -562,7 +665,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -588,20 +690,25 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_jacobians_lanes(
             K[8 * i + 0 + k] = K_block[0 + k];
         }
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
-        }
+        krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 9);
-        krhpr_poses_keep(finite, K, 18);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 9);
+    krhpr_poses_keep(finite, K, 18);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_jacobians_batch(
@@ -609,7 +716,8 @@ KRHPR_API int krhpr_planar_prr2_c_jacobians_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -627,9 +735,19 @@ KRHPR_API int krhpr_planar_prr2_c_jacobians_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_jacobians(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_jacobians_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -667,6 +785,7 @@ KRHPR_API int krhpr_planar_prr2_c_jacobians_soa(
     }
     return first;
 }
+#endif
 
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_jacobian_blocks_lanes(
@@ -674,7 +793,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -693,20 +811,25 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_jacobian_blocks_lanes(
         krhpr_subleg_planar_prr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_prr2_project_lanes(&g->subleg, i, w, b, N, K + 2 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, K + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, K + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 9);
-        krhpr_poses_keep(finite, K, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 9);
+    krhpr_poses_keep(finite, K, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_jacobian_blocks_batch(
@@ -714,7 +837,8 @@ KRHPR_API int krhpr_planar_prr2_c_jacobian_blocks_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -732,9 +856,19 @@ KRHPR_API int krhpr_planar_prr2_c_jacobian_blocks_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_jacobian_blocks(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_jacobian_blocks_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -772,6 +906,7 @@ KRHPR_API int krhpr_planar_prr2_c_jacobian_blocks_soa(
     }
     return first;
 }
+#endif
 
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_lanes(
@@ -779,7 +914,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
@@ -795,19 +929,24 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_lanes(
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_prr2_inverse_lanes(&g->subleg, i, s, mode + 2 * i, theta + 2 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_inverse_batch(
@@ -815,7 +954,8 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -831,9 +971,19 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_inverse(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_inverse_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -872,13 +1022,13 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_all_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
@@ -893,19 +1043,24 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_all_lanes(
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_prr2_inverse_all_lanes(&g->subleg, i, s, theta + 8 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 8 * i, 8);
-        }
+        krhpr_poses_keep(kept_1, theta + 8 * i, 8);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 24);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 24);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_inverse_all_batch(
@@ -913,7 +1068,8 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -927,9 +1083,19 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 24, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_inverse_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_inverse_all_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -961,13 +1127,14 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_all_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_prr2_c_inverse_near_batch(
     const krhpr_planar_prr2_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_c_inverse_near(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
@@ -979,6 +1146,7 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_near_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_inverse_near_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1011,6 +1179,7 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_near_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_status_lanes(
@@ -1018,7 +1187,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
@@ -1033,16 +1201,23 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_inverse_status_lanes(
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_prr2_reach_lanes(&g->subleg, i, s, &excess[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, excess, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, excess, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_inverse_status_batch(
@@ -1050,7 +1225,8 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_status_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1066,9 +1242,19 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_status_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_inverse_status(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_inverse_status_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1107,6 +1293,7 @@ KRHPR_API int krhpr_planar_prr2_c_inverse_status_soa(
     }
     return first;
 }
+#endif
 
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_twist_lanes(
@@ -1114,7 +1301,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
@@ -1143,21 +1329,27 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_twist_lanes(
         krhpr_algebra_planar_rate_lanes(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve_lanes(Q, line, point, rate, twist, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist, 3);
-    }
+    krhpr_poses_keep(valid, twist, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_twist_batch(
@@ -1165,7 +1357,8 @@ KRHPR_API int krhpr_planar_prr2_c_twist_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1183,9 +1376,19 @@ KRHPR_API int krhpr_planar_prr2_c_twist_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_twist(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_twist_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1221,6 +1424,7 @@ KRHPR_API int krhpr_planar_prr2_c_twist_soa(
     }
     return first;
 }
+#endif
 
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_joint_rates_lanes(
@@ -1228,7 +1432,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
@@ -1248,19 +1451,24 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_joint_rates_lanes(
         krhpr_subleg_planar_prr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_prr2_rates_lanes(&g->subleg, i, w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_dot, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_dot, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_joint_rates_batch(
@@ -1268,7 +1476,8 @@ KRHPR_API int krhpr_planar_prr2_c_joint_rates_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1289,9 +1498,19 @@ KRHPR_API int krhpr_planar_prr2_c_joint_rates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_joint_rates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_joint_rates_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1330,6 +1549,7 @@ KRHPR_API int krhpr_planar_prr2_c_joint_rates_soa(
     }
     return first;
 }
+#endif
 
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_platform_acceleration_lanes(
@@ -1338,7 +1558,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
         krhpr_poses_taint(theta_ddot, 6);
@@ -1376,21 +1595,27 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_platform_acceleration_lanes(
         krhpr_algebra_planar_rate_with_bias_lanes(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve_lanes(Q, line, point, rate, twist_rate, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist_rate, 3);
-    }
+    krhpr_poses_keep(valid, twist_rate, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist_rate, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist_rate, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_platform_acceleration_batch(
@@ -1398,7 +1623,8 @@ KRHPR_API int krhpr_planar_prr2_c_platform_acceleration_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1421,9 +1647,20 @@ KRHPR_API int krhpr_planar_prr2_c_platform_acceleration_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_platform_acceleration(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_platform_acceleration_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1464,6 +1701,7 @@ KRHPR_API int krhpr_planar_prr2_c_platform_acceleration_soa(
     }
     return first;
 }
+#endif
 
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_joint_accelerations_lanes(
@@ -1473,7 +1711,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
@@ -1504,24 +1741,28 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_joint_accelerations_lanes(
         krhpr_subleg_planar_prr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_prr2_rates_lanes(&g->subleg, i, w, b, along, theta_ddot + 2 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), parallel_regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), parallel_regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
         const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_2))) {
-            krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_ddot, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_ddot, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_joint_accelerations_batch(
@@ -1529,7 +1770,8 @@ KRHPR_API int krhpr_planar_prr2_c_joint_accelerations_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1557,9 +1799,20 @@ KRHPR_API int krhpr_planar_prr2_c_joint_accelerations_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_joint_accelerations(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_joint_accelerations_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1605,6 +1858,7 @@ KRHPR_API int krhpr_planar_prr2_c_joint_accelerations_soa(
     }
     return first;
 }
+#endif
 
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_passive_joints_lanes(
@@ -1612,7 +1866,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -1643,14 +1896,18 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_passive_joints_lanes(
         passive[3 * i + 2] = tail[3 * i + 2];
         wrist[i] = tail[9 + 1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, passive, 9);
-        krhpr_poses_keep(finite, wrist, 3);
-        krhpr_poses_keep(finite, platform_joint, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, passive, 9);
+    krhpr_poses_keep(finite, wrist, 3);
+    krhpr_poses_keep(finite, platform_joint, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_passive_joints_batch(
@@ -1658,7 +1915,8 @@ KRHPR_API int krhpr_planar_prr2_c_passive_joints_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1679,9 +1937,20 @@ KRHPR_API int krhpr_planar_prr2_c_passive_joints_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_passive_joints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_passive_joints_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1724,6 +1993,7 @@ KRHPR_API int krhpr_planar_prr2_c_passive_joints_soa(
     }
     return first;
 }
+#endif
 
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_link_points_lanes(
@@ -1731,7 +2001,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -1748,13 +2017,17 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_link_points_lanes(
         krhpr_subleg_planar_prr2_points_lanes(&g->subleg, i, w, s + 2 * i, points + 10 * i);
         krhpr_platform_planar_c_attachment_lanes(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, points, 30);
-        krhpr_poses_keep(finite, attachment, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, points, 30);
+    krhpr_poses_keep(finite, attachment, 6);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_link_points_batch(
@@ -1762,7 +2035,8 @@ KRHPR_API int krhpr_planar_prr2_c_link_points_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1780,9 +2054,19 @@ KRHPR_API int krhpr_planar_prr2_c_link_points_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_link_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_link_points_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1820,6 +2104,7 @@ KRHPR_API int krhpr_planar_prr2_c_link_points_soa(
     }
     return first;
 }
+#endif
 
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_singularity_lanes(
@@ -1828,7 +2113,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -1851,15 +2135,19 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_singularity_lanes(
             &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_1, 3);
-        krhpr_poses_keep(finite, factors, 9);
-        krhpr_poses_keep(finite, type_2, 1);
-        krhpr_poses_keep(finite, margins, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_1, 3);
+    krhpr_poses_keep(finite, factors, 9);
+    krhpr_poses_keep(finite, type_2, 1);
+    krhpr_poses_keep(finite, margins, 1);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_singularity_batch(
@@ -1867,7 +2155,8 @@ KRHPR_API int krhpr_planar_prr2_c_singularity_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1889,9 +2178,20 @@ KRHPR_API int krhpr_planar_prr2_c_singularity_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_singularity(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_singularity_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1938,13 +2238,13 @@ KRHPR_API int krhpr_planar_prr2_c_singularity_soa(
     }
     return first;
 }
+#endif
 
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_type_2_of_redundant_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1954,13 +2254,17 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_type_2_of_redundant_lanes(
             &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_2, 1);
-        krhpr_poses_keep(finite, margins, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_2, 1);
+    krhpr_poses_keep(finite, margins, 1);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_type_2_of_redundant_batch(
@@ -1968,7 +2272,8 @@ KRHPR_API int krhpr_planar_prr2_c_type_2_of_redundant_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant[3];
@@ -1980,9 +2285,18 @@ KRHPR_API int krhpr_planar_prr2_c_type_2_of_redundant_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_type_2_of_redundant_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2014,6 +2328,7 @@ KRHPR_API int krhpr_planar_prr2_c_type_2_of_redundant_soa(
     }
     return first;
 }
+#endif
 
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_all_lanes(
@@ -2021,7 +2336,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_all_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes slide[6];
     krhpr_lanes breadth[1];
@@ -2037,27 +2351,31 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_all_lanes(
     krhpr_lanes_atan2_each(2, tail_y, tail_x, tail);
     phi[0] = tail[0];
     phi[1] = tail[1];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 4);
-        krhpr_poses_keep(valid, phi, 2);
-        krhpr_poses_keep(valid, redundant, 6);
-        krhpr_poses_keep(valid, det_J, 2);
-        krhpr_poses_keep(valid, count, 1);
-        *count = krhpr_where(valid, *count, krhpr_all(0.0));
-    }
+    krhpr_poses_keep(valid, p, 4);
+    krhpr_poses_keep(valid, phi, 2);
+    krhpr_poses_keep(valid, redundant, 6);
+    krhpr_poses_keep(valid, det_J, 2);
+    krhpr_poses_keep(valid, count, 1);
+    *count = krhpr_where(valid, *count, krhpr_all(0.0));
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 4);
-        krhpr_poses_keep(finite, phi, 2);
-        krhpr_poses_keep(finite, redundant, 6);
-        krhpr_poses_keep(finite, det_J, 2);
-        krhpr_poses_keep(finite, count, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 4);
+    krhpr_poses_keep(finite, phi, 2);
+    krhpr_poses_keep(finite, redundant, 6);
+    krhpr_poses_keep(finite, det_J, 2);
+    krhpr_poses_keep(finite, count, 1);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_forward_all_batch(
@@ -2065,7 +2383,8 @@ KRHPR_API int krhpr_planar_prr2_c_forward_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2083,9 +2402,19 @@ KRHPR_API int krhpr_planar_prr2_c_forward_all_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_forward_all(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_forward_all_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2129,6 +2458,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_lanes(
@@ -2137,7 +2467,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
     krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3) + krhpr_poses_taint(side, 1);
     krhpr_lanes s[6];
     krhpr_lanes radicand[3];
@@ -2157,6 +2486,19 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_lanes(
         s, slide, side[0], breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(0.5), sign[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
@@ -2165,23 +2507,18 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, redundant, 3);
-        krhpr_poses_keep(valid, count, 1);
-        krhpr_poses_keep(valid, certified, 1);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, redundant, 3);
+    krhpr_poses_keep(valid, count, 1);
+    krhpr_poses_keep(valid, certified, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, redundant, 3);
-        krhpr_poses_keep(finite, count, 1);
-        krhpr_poses_keep(finite, certified, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, redundant, 3);
+    krhpr_poses_keep(finite, count, 1);
+    krhpr_poses_keep(finite, certified, 1);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_forward_batch(
@@ -2189,7 +2526,8 @@ KRHPR_API int krhpr_planar_prr2_c_forward_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[6];
@@ -2212,9 +2550,20 @@ KRHPR_API int krhpr_planar_prr2_c_forward_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_forward(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3], out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_forward_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2268,13 +2617,14 @@ KRHPR_API int krhpr_planar_prr2_c_forward_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_prr2_c_passive_joints_of_theta_batch(
     const krhpr_planar_prr2_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_c_passive_joints_of_theta(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
@@ -2287,6 +2637,7 @@ KRHPR_API int krhpr_planar_prr2_c_passive_joints_of_theta_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_passive_joints_of_theta_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2331,6 +2682,7 @@ KRHPR_API int krhpr_planar_prr2_c_passive_joints_of_theta_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_encoders_2_lanes(
@@ -2338,7 +2690,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
@@ -2358,25 +2709,30 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_encoders_2_lanes(
     krhpr_platform_planar_c_encoder_pose_lanes(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, raw, 4);
-        krhpr_poses_keep(valid, mismatch, 1);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, raw, 4);
+    krhpr_poses_keep(valid, mismatch, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, raw, 4);
-        krhpr_poses_keep(finite, mismatch, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, raw, 4);
+    krhpr_poses_keep(finite, mismatch, 1);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_forward_encoders_2_batch(
@@ -2384,7 +2740,8 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_2_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2405,9 +2762,20 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_2_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_forward_encoders_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_forward_encoders_2_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2452,6 +2820,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_2_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_encoders_3_lanes(
@@ -2459,7 +2828,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
@@ -2479,25 +2847,30 @@ KRHPR_OUTLINE void krhpr_planar_prr2_c_forward_encoders_3_lanes(
     krhpr_platform_planar_c_encoder_pose_lanes(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, raw, 4);
-        krhpr_poses_keep(valid, mismatch, 3);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, raw, 4);
+    krhpr_poses_keep(valid, mismatch, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, raw, 4);
-        krhpr_poses_keep(finite, mismatch, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, raw, 4);
+    krhpr_poses_keep(finite, mismatch, 3);
 }
 
 KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3_batch(
@@ -2505,7 +2878,8 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2526,9 +2900,20 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_prr2_c_forward_encoders_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2573,13 +2958,14 @@ KRHPR_API int krhpr_planar_prr2_c_forward_encoders_3_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_2_batch(
     const krhpr_planar_prr2_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_c_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2592,6 +2978,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_2_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_2_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2631,13 +3018,14 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_2_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3_batch(
     const krhpr_planar_prr2_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_c_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2650,6 +3038,7 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3_soa(
     const krhpr_planar_prr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2689,3 +3078,4 @@ KRHPR_API int krhpr_planar_prr2_c_forward_gauss_newton_3_soa(
     }
     return first;
 }
+#endif

@@ -18,7 +18,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_end_points_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -30,12 +29,16 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_end_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_end_points_batch(
@@ -43,7 +46,8 @@ KRHPR_API int krhpr_planar_rpr2_b_end_points_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -57,9 +61,19 @@ KRHPR_API int krhpr_planar_rpr2_b_end_points_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_end_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_end_points_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -91,13 +105,13 @@ KRHPR_API int krhpr_planar_rpr2_b_end_points_soa(
     }
     return first;
 }
+#endif
 
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_redundant_coordinates_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -109,12 +123,16 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_redundant_coordinates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, redundant, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_batch(
@@ -122,7 +140,8 @@ KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -136,9 +155,19 @@ KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_redundant_coordinates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -170,32 +199,37 @@ KRHPR_API int krhpr_planar_rpr2_b_redundant_coordinates_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_subleg_forward_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at theta[6], const krhpr_lanes_at assembly[3],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rpr2_forward_lanes(
             &g->subleg, i, theta + 2 * i, assembly + i, s + 2 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, s + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, s + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_batch(
@@ -203,7 +237,8 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[6];
@@ -215,9 +250,18 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_subleg_forward(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -252,31 +296,36 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_subleg_forward_all_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rpr2_forward_all_lanes(&g->subleg, i, theta + 2 * i, s + 4 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, s + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, s + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 12);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_batch(
@@ -284,7 +333,8 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[6];
@@ -294,9 +344,17 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -324,31 +382,36 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_subleg_inverse_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rpr2_inverse_all_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_batch(
@@ -356,7 +419,8 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -366,9 +430,17 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -396,13 +468,13 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_subleg_jacobian_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes regularity[3];
     for (int i = 0; i < 3; ++i) {
@@ -411,19 +483,24 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_subleg_jacobian_lanes(
         krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_rpr2_jacobian_lanes(&g->subleg, i, w, b, M + 4 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, M + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, M + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, M, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, M, 12);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_batch(
@@ -431,7 +508,8 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -443,9 +521,18 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -475,13 +562,13 @@ KRHPR_API int krhpr_planar_rpr2_b_subleg_jacobian_soa(
     }
     return first;
 }
+#endif
 
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_constraints_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -493,12 +580,16 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_constraints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, residual, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, residual, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_constraints_batch(
@@ -506,7 +597,8 @@ KRHPR_API int krhpr_planar_rpr2_b_constraints_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -520,9 +612,19 @@ KRHPR_API int krhpr_planar_rpr2_b_constraints_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_constraints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_constraints_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -554,6 +656,7 @@ KRHPR_API int krhpr_planar_rpr2_b_constraints_soa(
     }
     return first;
 }
+#endif
 
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_jacobians_lanes(
@@ -561,7 +664,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -587,20 +689,25 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_jacobians_lanes(
             K[8 * i + 0 + k] = K_block[0 + k];
         }
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
-        }
+        krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 9);
-        krhpr_poses_keep(finite, K, 18);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 9);
+    krhpr_poses_keep(finite, K, 18);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_jacobians_batch(
@@ -608,7 +715,8 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobians_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -626,9 +734,19 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobians_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_jacobians(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_jacobians_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -666,6 +784,7 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobians_soa(
     }
     return first;
 }
+#endif
 
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_jacobian_blocks_lanes(
@@ -673,7 +792,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -692,20 +810,25 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_jacobian_blocks_lanes(
         krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_rpr2_project_lanes(&g->subleg, i, w, b, N, K + 2 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, K + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, K + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 9);
-        krhpr_poses_keep(finite, K, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 9);
+    krhpr_poses_keep(finite, K, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_batch(
@@ -713,7 +836,8 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -731,9 +855,19 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_jacobian_blocks(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -771,13 +905,13 @@ KRHPR_API int krhpr_planar_rpr2_b_jacobian_blocks_soa(
     }
     return first;
 }
+#endif
 
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_inverse_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
@@ -792,19 +926,24 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_inverse_lanes(
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rpr2_inverse_lanes(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_inverse_batch(
@@ -812,7 +951,8 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -826,9 +966,19 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_inverse(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_inverse_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -860,13 +1010,13 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_inverse_all_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
@@ -881,19 +1031,24 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_inverse_all_lanes(
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rpr2_inverse_all_lanes(&g->subleg, i, s, theta + 2 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_inverse_all_batch(
@@ -901,7 +1056,8 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -915,9 +1071,19 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_inverse_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_inverse_all_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -949,13 +1115,14 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_all_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rpr2_b_inverse_near_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_b_inverse_near(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
@@ -967,6 +1134,7 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_near_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_inverse_near_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -999,13 +1167,13 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_near_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_inverse_status_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -1019,16 +1187,23 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_inverse_status_lanes(
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_planar_rpr2_reach_lanes(&g->subleg, i, &excess[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, excess, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, excess, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_inverse_status_batch(
@@ -1036,7 +1211,8 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_status_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1050,9 +1226,19 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_status_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_inverse_status(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_inverse_status_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1084,6 +1270,7 @@ KRHPR_API int krhpr_planar_rpr2_b_inverse_status_soa(
     }
     return first;
 }
+#endif
 
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_twist_lanes(
@@ -1091,7 +1278,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
@@ -1120,21 +1306,27 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_twist_lanes(
         krhpr_algebra_planar_rate_lanes(N, s_dot, rate + i);
     }
     krhpr_platform_planar_b_solve_lanes(Q, line, point, rate, twist, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist, 3);
-    }
+    krhpr_poses_keep(valid, twist, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_twist_batch(
@@ -1142,7 +1334,8 @@ KRHPR_API int krhpr_planar_rpr2_b_twist_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1160,9 +1353,19 @@ KRHPR_API int krhpr_planar_rpr2_b_twist_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_twist(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_twist_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1198,6 +1401,7 @@ KRHPR_API int krhpr_planar_rpr2_b_twist_soa(
     }
     return first;
 }
+#endif
 
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_joint_rates_lanes(
@@ -1205,7 +1409,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
@@ -1225,19 +1428,24 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_joint_rates_lanes(
         krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_rpr2_rates_lanes(&g->subleg, i, w, b, s_dot, theta_dot + 2 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_dot, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_dot, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_joint_rates_batch(
@@ -1245,7 +1453,8 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_rates_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1266,9 +1475,19 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_rates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_joint_rates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_joint_rates_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1307,6 +1526,7 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_rates_soa(
     }
     return first;
 }
+#endif
 
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_platform_acceleration_lanes(
@@ -1315,7 +1535,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
         krhpr_poses_taint(theta_ddot, 6);
@@ -1353,21 +1572,27 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_platform_acceleration_lanes(
         krhpr_algebra_planar_rate_with_bias_lanes(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_b_solve_lanes(Q, line, point, rate, twist_rate, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist_rate, 3);
-    }
+    krhpr_poses_keep(valid, twist_rate, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist_rate, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist_rate, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_batch(
@@ -1375,7 +1600,8 @@ KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1398,9 +1624,20 @@ KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_platform_acceleration(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1441,6 +1678,7 @@ KRHPR_API int krhpr_planar_rpr2_b_platform_acceleration_soa(
     }
     return first;
 }
+#endif
 
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_joint_accelerations_lanes(
@@ -1450,7 +1688,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
@@ -1481,24 +1718,28 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_joint_accelerations_lanes(
         krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s + 2 * i, theta + 2 * i, w, b);
         krhpr_subleg_planar_rpr2_rates_lanes(&g->subleg, i, w, b, along, theta_ddot + 2 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), parallel_regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), parallel_regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
         const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_2))) {
-            krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
-        }
+        krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_ddot, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_ddot, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_batch(
@@ -1506,7 +1747,8 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1534,9 +1776,20 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_joint_accelerations(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1582,6 +1835,7 @@ KRHPR_API int krhpr_planar_rpr2_b_joint_accelerations_soa(
     }
     return first;
 }
+#endif
 
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_passive_joints_lanes(
@@ -1589,7 +1843,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -1620,14 +1873,18 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_passive_joints_lanes(
         passive[3 * i + 2] = tail[3 * i + 2];
         wrist[i] = tail[9 + 1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, passive, 9);
-        krhpr_poses_keep(finite, wrist, 3);
-        krhpr_poses_keep(finite, platform_joint, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, passive, 9);
+    krhpr_poses_keep(finite, wrist, 3);
+    krhpr_poses_keep(finite, platform_joint, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_passive_joints_batch(
@@ -1635,7 +1892,8 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1656,9 +1914,20 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_passive_joints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_passive_joints_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1701,6 +1970,7 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_soa(
     }
     return first;
 }
+#endif
 
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_link_points_lanes(
@@ -1708,7 +1978,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -1725,13 +1994,17 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_link_points_lanes(
         krhpr_subleg_planar_rpr2_points_lanes(&g->subleg, i, s + 2 * i, points + 6 * i);
         krhpr_platform_planar_b_attachment_lanes(&g->platform, i, Q, s + 2 * i, attachment + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, points, 18);
-        krhpr_poses_keep(finite, attachment, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, points, 18);
+    krhpr_poses_keep(finite, attachment, 6);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_link_points_batch(
@@ -1739,7 +2012,8 @@ KRHPR_API int krhpr_planar_rpr2_b_link_points_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1757,9 +2031,19 @@ KRHPR_API int krhpr_planar_rpr2_b_link_points_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_link_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_link_points_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1797,6 +2081,7 @@ KRHPR_API int krhpr_planar_rpr2_b_link_points_soa(
     }
     return first;
 }
+#endif
 
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_singularity_lanes(
@@ -1805,7 +2090,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
@@ -1828,15 +2112,19 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_singularity_lanes(
             &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_1, 3);
-        krhpr_poses_keep(finite, factors, 9);
-        krhpr_poses_keep(finite, type_2, 1);
-        krhpr_poses_keep(finite, margins, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_1, 3);
+    krhpr_poses_keep(finite, factors, 9);
+    krhpr_poses_keep(finite, type_2, 1);
+    krhpr_poses_keep(finite, margins, 1);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_singularity_batch(
@@ -1844,7 +2132,8 @@ KRHPR_API int krhpr_planar_rpr2_b_singularity_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1866,9 +2155,20 @@ KRHPR_API int krhpr_planar_rpr2_b_singularity_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_singularity(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_singularity_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1915,13 +2215,13 @@ KRHPR_API int krhpr_planar_rpr2_b_singularity_soa(
     }
     return first;
 }
+#endif
 
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_type_2_of_redundant_lanes(
     const krhpr_planar_rpr2_b_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1931,13 +2231,17 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_type_2_of_redundant_lanes(
             &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_b_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_2, 1);
-        krhpr_poses_keep(finite, margins, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_2, 1);
+    krhpr_poses_keep(finite, margins, 1);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_batch(
@@ -1945,7 +2249,8 @@ KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant[3];
@@ -1957,9 +2262,18 @@ KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1991,6 +2305,7 @@ KRHPR_API int krhpr_planar_rpr2_b_type_2_of_redundant_soa(
     }
     return first;
 }
+#endif
 
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_all_lanes(
@@ -1998,7 +2313,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_all_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
@@ -2016,27 +2330,31 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_all_lanes(
     krhpr_lanes_atan2_each(2, tail_y, tail_x, tail);
     phi[0] = tail[0];
     phi[1] = tail[1];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 4);
-        krhpr_poses_keep(valid, phi, 2);
-        krhpr_poses_keep(valid, redundant, 6);
-        krhpr_poses_keep(valid, det_J, 2);
-        krhpr_poses_keep(valid, count, 1);
-        *count = krhpr_where(valid, *count, krhpr_all(0.0));
-    }
+    krhpr_poses_keep(valid, p, 4);
+    krhpr_poses_keep(valid, phi, 2);
+    krhpr_poses_keep(valid, redundant, 6);
+    krhpr_poses_keep(valid, det_J, 2);
+    krhpr_poses_keep(valid, count, 1);
+    *count = krhpr_where(valid, *count, krhpr_all(0.0));
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 4);
-        krhpr_poses_keep(finite, phi, 2);
-        krhpr_poses_keep(finite, redundant, 6);
-        krhpr_poses_keep(finite, det_J, 2);
-        krhpr_poses_keep(finite, count, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 4);
+    krhpr_poses_keep(finite, phi, 2);
+    krhpr_poses_keep(finite, redundant, 6);
+    krhpr_poses_keep(finite, det_J, 2);
+    krhpr_poses_keep(finite, count, 1);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_forward_all_batch(
@@ -2044,7 +2362,8 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2062,9 +2381,19 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_all_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_forward_all(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_forward_all_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2108,6 +2437,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_lanes(
@@ -2116,7 +2446,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
     krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3) + krhpr_poses_taint(side, 1);
     krhpr_lanes s[6];
     krhpr_lanes radicand[3];
@@ -2139,6 +2468,19 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_lanes(
         certified, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(0.5), sign[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
@@ -2147,23 +2489,18 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, redundant, 3);
-        krhpr_poses_keep(valid, count, 1);
-        krhpr_poses_keep(valid, certified, 1);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, redundant, 3);
+    krhpr_poses_keep(valid, count, 1);
+    krhpr_poses_keep(valid, certified, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, redundant, 3);
-        krhpr_poses_keep(finite, count, 1);
-        krhpr_poses_keep(finite, certified, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, redundant, 3);
+    krhpr_poses_keep(finite, count, 1);
+    krhpr_poses_keep(finite, certified, 1);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_forward_batch(
@@ -2171,7 +2508,8 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[6];
@@ -2194,9 +2532,20 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_forward(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3], out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_forward_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2250,13 +2599,14 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_b_passive_joints_of_theta(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
@@ -2269,6 +2619,7 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2313,6 +2664,7 @@ KRHPR_API int krhpr_planar_rpr2_b_passive_joints_of_theta_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_encoders_2_lanes(
@@ -2320,7 +2672,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
@@ -2342,25 +2693,30 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_encoders_2_lanes(
     krhpr_platform_planar_b_encoder_pose_lanes(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, raw, 4);
-        krhpr_poses_keep(valid, mismatch, 1);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, raw, 4);
+    krhpr_poses_keep(valid, mismatch, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, raw, 4);
-        krhpr_poses_keep(finite, mismatch, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, raw, 4);
+    krhpr_poses_keep(finite, mismatch, 1);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_batch(
@@ -2368,7 +2724,8 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2389,9 +2746,20 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_forward_encoders_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2436,6 +2804,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_2_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_encoders_3_lanes(
@@ -2443,7 +2812,6 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
@@ -2465,25 +2833,30 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_b_forward_encoders_3_lanes(
     krhpr_platform_planar_b_encoder_pose_lanes(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, raw, 4);
-        krhpr_poses_keep(valid, mismatch, 3);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, raw, 4);
+    krhpr_poses_keep(valid, mismatch, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, raw, 4);
-        krhpr_poses_keep(finite, mismatch, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, raw, 4);
+    krhpr_poses_keep(finite, mismatch, 3);
 }
 
 KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_batch(
@@ -2491,7 +2864,8 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2512,9 +2886,20 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rpr2_b_forward_encoders_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2559,13 +2944,14 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_encoders_3_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_b_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2578,6 +2964,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2617,13 +3004,14 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_2_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3_batch(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_b_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2636,6 +3024,7 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3_soa(
     const krhpr_planar_rpr2_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2675,3 +3064,4 @@ KRHPR_API int krhpr_planar_rpr2_b_forward_gauss_newton_3_soa(
     }
     return first;
 }
+#endif

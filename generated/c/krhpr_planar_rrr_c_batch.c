@@ -19,7 +19,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_end_points_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -31,12 +30,16 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_end_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 6);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_end_points_batch(
@@ -44,7 +47,8 @@ KRHPR_API int krhpr_planar_rrr_c_end_points_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -58,9 +62,19 @@ KRHPR_API int krhpr_planar_rrr_c_end_points_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_end_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_end_points_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -92,13 +106,13 @@ KRHPR_API int krhpr_planar_rrr_c_end_points_soa(
     }
     return first;
 }
+#endif
 
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_redundant_coordinates_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -110,12 +124,16 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_redundant_coordinates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, redundant, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_batch(
@@ -123,7 +141,8 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -137,9 +156,19 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_redundant_coordinates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -171,13 +200,13 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_subleg_forward_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -189,12 +218,16 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rrr_forward_lanes(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 6);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_subleg_forward_batch(
@@ -202,7 +235,8 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[9];
@@ -212,9 +246,17 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_subleg_forward_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -242,13 +284,13 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_subleg_inverse_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(swivel, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
@@ -275,19 +317,24 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_subleg_inverse_lanes(
         theta[6 * i + 4] = tail[6 * i + 4];
         theta[6 * i + 5] = tail[6 * i + 5];
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 6 * i, 6);
-        }
+        krhpr_poses_keep(kept_1, theta + 6 * i, 6);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 18);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 18);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_batch(
@@ -295,7 +342,8 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -307,9 +355,18 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_subleg_inverse(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -344,13 +401,13 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* swivel of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_swivel_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT swivel, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -374,12 +431,16 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_swivel_lanes(
     for (int i = 0; i < 3; ++i) {
         swivel[i] = tail[1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, swivel, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, swivel, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_swivel_batch(
@@ -387,7 +448,8 @@ KRHPR_API int krhpr_planar_rrr_c_swivel_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -399,9 +461,18 @@ KRHPR_API int krhpr_planar_rrr_c_swivel_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], swivel, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_swivel(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_swivel_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -431,13 +502,13 @@ KRHPR_API int krhpr_planar_rrr_c_swivel_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_subleg_jacobian_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -454,12 +525,16 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_subleg_jacobian_lanes(
             &g->subleg, i, s + 2 * i, sine + 2 * i, cosine + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_jacobian_lanes(&g->subleg, i, d, u_2, u_3, M + 6 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, M, 18);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, M, 18);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_batch(
@@ -467,7 +542,8 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -479,9 +555,18 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -511,13 +596,13 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_soa(
     }
     return first;
 }
+#endif
 
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_constraints_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
@@ -529,12 +614,16 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_constraints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, residual, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, residual, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_constraints_batch(
@@ -542,7 +631,8 @@ KRHPR_API int krhpr_planar_rrr_c_constraints_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -556,9 +646,19 @@ KRHPR_API int krhpr_planar_rrr_c_constraints_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_constraints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_constraints_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -590,6 +690,7 @@ KRHPR_API int krhpr_planar_rrr_c_constraints_soa(
     }
     return first;
 }
+#endif
 
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_jacobians_lanes(
@@ -597,7 +698,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes Q[4];
@@ -627,13 +727,17 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_jacobians_lanes(
             K[12 * i + 0 + k] = K_block[0 + k];
         }
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 9);
-        krhpr_poses_keep(finite, K, 27);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 9);
+    krhpr_poses_keep(finite, K, 27);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_jacobians_batch(
@@ -641,7 +745,8 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -659,9 +764,19 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 27, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_jacobians(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_jacobians_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -699,6 +814,7 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_soa(
     }
     return first;
 }
+#endif
 
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_jacobian_blocks_lanes(
@@ -706,7 +822,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes Q[4];
@@ -729,13 +844,17 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_jacobian_blocks_lanes(
             &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_project_lanes(&g->subleg, i, d, u_2, u_3, N, K + 3 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 9);
-        krhpr_poses_keep(finite, K, 9);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 9);
+    krhpr_poses_keep(finite, K, 9);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_batch(
@@ -743,7 +862,8 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -761,9 +881,19 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_jacobian_blocks(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -801,6 +931,7 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_soa(
     }
     return first;
 }
+#endif
 
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_lanes(
@@ -808,7 +939,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 3) + krhpr_poses_taint(swivel, 3);
     krhpr_lanes Q[4];
@@ -838,19 +968,24 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_lanes(
         theta[3 * i + 1] = tail[3 * i + 1];
         theta[3 * i + 2] = tail[3 * i + 2];
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 9);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_inverse_batch(
@@ -858,7 +993,8 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -876,9 +1012,20 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_inverse(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_inverse_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -924,6 +1071,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_all_lanes(
@@ -931,7 +1079,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_all_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at swivel[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(swivel, 3);
     krhpr_lanes Q[4];
@@ -964,19 +1111,24 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_all_lanes(
         theta[6 * i + 4] = tail[6 * i + 4];
         theta[6 * i + 5] = tail[6 * i + 5];
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 6 * i, 6);
-        }
+        krhpr_poses_keep(kept_1, theta + 6 * i, 6);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 18);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 18);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_inverse_all_batch(
@@ -984,7 +1136,8 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1000,9 +1153,19 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_inverse_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_inverse_all_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1041,13 +1204,14 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rrr_c_inverse_near_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_inverse_near(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] ? in[4] + k * in_step[4] : NULL, out[0] + k * out_step[0]);
@@ -1059,6 +1223,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_near_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_inverse_near_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1096,6 +1261,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_near_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_status_lanes(
@@ -1103,7 +1269,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 3) + krhpr_poses_taint(swivel, 3);
     krhpr_lanes Q[4];
@@ -1122,16 +1287,23 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_inverse_status_lanes(
         krhpr_subleg_planar_rrr_reach_lanes(
             &g->subleg, i, s, sine + 1 + 1 * i, cosine + 1 + 1 * i, &excess[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, excess, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, excess, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_inverse_status_batch(
@@ -1139,7 +1311,8 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1157,9 +1330,20 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_inverse_status(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_inverse_status_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1205,6 +1389,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_soa(
     }
     return first;
 }
+#endif
 
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_twist_lanes(
@@ -1212,7 +1397,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes Q[4];
@@ -1244,17 +1428,20 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_twist_lanes(
         krhpr_algebra_planar_rate_lanes(N, s_dot, rate + i);
     }
     krhpr_platform_planar_c_solve_lanes(Q, line, point, rate, twist, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist, 3);
-    }
+    krhpr_poses_keep(valid, twist, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_twist_batch(
@@ -1262,7 +1449,8 @@ KRHPR_API int krhpr_planar_rrr_c_twist_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1280,9 +1468,19 @@ KRHPR_API int krhpr_planar_rrr_c_twist_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_twist(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_twist_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1318,6 +1516,7 @@ KRHPR_API int krhpr_planar_rrr_c_twist_soa(
     }
     return first;
 }
+#endif
 
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_joint_rates_lanes(
@@ -1326,7 +1525,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at swivel_rates[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(swivel_rates, 3);
@@ -1353,19 +1551,24 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_joint_rates_lanes(
         krhpr_subleg_planar_rrr_rates_lanes(
             &g->subleg, i, d, u_2, u_3, s_dot, swivel_rates[i], theta_dot + 3 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_dot, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_dot, 9);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_joint_rates_batch(
@@ -1373,7 +1576,8 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1396,9 +1600,20 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_joint_rates(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_joint_rates_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1439,6 +1654,7 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates_soa(
     }
     return first;
 }
+#endif
 
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_platform_acceleration_lanes(
@@ -1447,7 +1663,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 9) +
         krhpr_poses_taint(theta_ddot, 9);
@@ -1490,17 +1705,20 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_platform_acceleration_lanes(
         krhpr_algebra_planar_rate_with_bias_lanes(N, s_ddot, row_bias, rate + i);
     }
     krhpr_platform_planar_c_solve_lanes(Q, line, point, rate, twist_rate, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist_rate, 3);
-    }
+    krhpr_poses_keep(valid, twist_rate, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist_rate, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist_rate, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_batch(
@@ -1508,7 +1726,8 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1531,9 +1750,20 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_platform_acceleration(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1574,6 +1804,7 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_soa(
     }
     return first;
 }
+#endif
 
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_joint_accelerations_lanes(
@@ -1584,7 +1815,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_joint_accelerations_lanes(
     const krhpr_lanes_at swivel_accelerations[3], krhpr_lanes_at *KRHPR_RESTRICT theta_ddot,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3) +
@@ -1624,19 +1854,24 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_joint_accelerations_lanes(
         krhpr_subleg_planar_rrr_rates_lanes(
             &g->subleg, i, d, u_2, u_3, along, swivel_along, theta_ddot + 3 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_ddot + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, theta_ddot + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_ddot, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_ddot, 9);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_batch(
@@ -1644,7 +1879,8 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1674,9 +1910,20 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_joint_accelerations(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], in[9] + k * in_step[9], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1724,6 +1971,7 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_soa(
     }
     return first;
 }
+#endif
 
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_passive_joints_lanes(
@@ -1731,7 +1979,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT wrist,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes Q[4];
@@ -1764,13 +2011,17 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_passive_joints_lanes(
     for (int i = 0; i < 3; ++i) {
         wrist[i] = tail[1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, wrist, 3);
-        krhpr_poses_keep(finite, platform_joint, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, wrist, 3);
+    krhpr_poses_keep(finite, platform_joint, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_passive_joints_batch(
@@ -1778,7 +2029,8 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1796,9 +2048,19 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_passive_joints(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_passive_joints_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1836,6 +2098,7 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_soa(
     }
     return first;
 }
+#endif
 
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_link_points_lanes(
@@ -1843,7 +2106,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes Q[4];
@@ -1865,13 +2127,17 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_link_points_lanes(
         krhpr_subleg_planar_rrr_points_lanes(&g->subleg, i, u_2, u_3, s + 2 * i, points + 8 * i);
         krhpr_platform_planar_c_attachment_lanes(&g->platform, i, s + 2 * i, attachment + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, points, 24);
-        krhpr_poses_keep(finite, attachment, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, points, 24);
+    krhpr_poses_keep(finite, attachment, 6);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_link_points_batch(
@@ -1879,7 +2145,8 @@ KRHPR_API int krhpr_planar_rrr_c_link_points_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -1897,9 +2164,19 @@ KRHPR_API int krhpr_planar_rrr_c_link_points_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_link_points(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_link_points_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1937,6 +2214,7 @@ KRHPR_API int krhpr_planar_rrr_c_link_points_soa(
     }
     return first;
 }
+#endif
 
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_singularity_lanes(
@@ -1945,7 +2223,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes Q[4];
@@ -1973,15 +2250,19 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_singularity_lanes(
             &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_1, 3);
-        krhpr_poses_keep(finite, factors, 3);
-        krhpr_poses_keep(finite, type_2, 1);
-        krhpr_poses_keep(finite, margins, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_1, 3);
+    krhpr_poses_keep(finite, factors, 3);
+    krhpr_poses_keep(finite, type_2, 1);
+    krhpr_poses_keep(finite, margins, 1);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_singularity_batch(
@@ -1989,7 +2270,8 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[2];
@@ -2011,9 +2293,20 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_singularity(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_singularity_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2060,13 +2353,13 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_soa(
     }
     return first;
 }
+#endif
 
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_type_2_of_redundant_lanes(
     const krhpr_planar_rrr_c_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2076,13 +2369,17 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_type_2_of_redundant_lanes(
             &g->platform, i, redundant[i], line + 3 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_2, 1);
-        krhpr_poses_keep(finite, margins, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_2, 1);
+    krhpr_poses_keep(finite, margins, 1);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_batch(
@@ -2090,7 +2387,8 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant[3];
@@ -2102,9 +2400,18 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2136,6 +2443,7 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_soa(
     }
     return first;
 }
+#endif
 
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_all_lanes(
@@ -2143,7 +2451,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_all_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes slide[6];
     krhpr_lanes breadth[1];
@@ -2159,27 +2466,31 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_all_lanes(
     krhpr_lanes_atan2_each(2, tail_y, tail_x, tail);
     phi[0] = tail[0];
     phi[1] = tail[1];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 4);
-        krhpr_poses_keep(valid, phi, 2);
-        krhpr_poses_keep(valid, redundant, 6);
-        krhpr_poses_keep(valid, det_J, 2);
-        krhpr_poses_keep(valid, count, 1);
-        *count = krhpr_where(valid, *count, krhpr_all(0.0));
-    }
+    krhpr_poses_keep(valid, p, 4);
+    krhpr_poses_keep(valid, phi, 2);
+    krhpr_poses_keep(valid, redundant, 6);
+    krhpr_poses_keep(valid, det_J, 2);
+    krhpr_poses_keep(valid, count, 1);
+    *count = krhpr_where(valid, *count, krhpr_all(0.0));
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 4);
-        krhpr_poses_keep(finite, phi, 2);
-        krhpr_poses_keep(finite, redundant, 6);
-        krhpr_poses_keep(finite, det_J, 2);
-        krhpr_poses_keep(finite, count, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 4);
+    krhpr_poses_keep(finite, phi, 2);
+    krhpr_poses_keep(finite, redundant, 6);
+    krhpr_poses_keep(finite, det_J, 2);
+    krhpr_poses_keep(finite, count, 1);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_forward_all_batch(
@@ -2187,7 +2498,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2205,9 +2517,19 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_forward_all(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_forward_all_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2251,6 +2573,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_lanes(
@@ -2259,7 +2582,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
     krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(side, 1);
     krhpr_lanes s[6];
     krhpr_lanes slide[6];
@@ -2284,27 +2606,32 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_lanes(
         s, slide, side[0], breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(0.5), sign[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.5), sign[0]), status, KRHPR_NO_ASSEMBLY);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, redundant, 3);
-        krhpr_poses_keep(valid, count, 1);
-        krhpr_poses_keep(valid, certified, 1);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, redundant, 3);
+    krhpr_poses_keep(valid, count, 1);
+    krhpr_poses_keep(valid, certified, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, redundant, 3);
-        krhpr_poses_keep(finite, count, 1);
-        krhpr_poses_keep(finite, certified, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, redundant, 3);
+    krhpr_poses_keep(finite, count, 1);
+    krhpr_poses_keep(finite, certified, 1);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_forward_batch(
@@ -2312,7 +2639,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[9];
@@ -2332,9 +2660,20 @@ KRHPR_API int krhpr_planar_rrr_c_forward_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_forward(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_forward_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2380,13 +2719,14 @@ KRHPR_API int krhpr_planar_rrr_c_forward_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_passive_joints_of_theta(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
@@ -2399,6 +2739,7 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2436,6 +2777,7 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_encoders_2_lanes(
@@ -2443,7 +2785,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
@@ -2463,25 +2804,30 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_encoders_2_lanes(
     krhpr_platform_planar_c_encoder_pose_lanes(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, raw, 4);
-        krhpr_poses_keep(valid, mismatch, 1);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, raw, 4);
+    krhpr_poses_keep(valid, mismatch, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, raw, 4);
-        krhpr_poses_keep(finite, mismatch, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, raw, 4);
+    krhpr_poses_keep(finite, mismatch, 1);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_batch(
@@ -2489,7 +2835,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2510,9 +2857,20 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_forward_encoders_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2557,6 +2915,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_encoders_3_lanes(
@@ -2564,7 +2923,6 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
@@ -2584,25 +2942,30 @@ KRHPR_OUTLINE void krhpr_planar_rrr_c_forward_encoders_3_lanes(
     krhpr_platform_planar_c_encoder_pose_lanes(s, linear, direction, p, raw, tail_y, tail_x);
     krhpr_lanes_atan2_each(1, tail_y, tail_x, tail);
     *phi = tail[0];
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 2);
-        krhpr_poses_keep(valid, phi, 1);
-        krhpr_poses_keep(valid, raw, 4);
-        krhpr_poses_keep(valid, mismatch, 3);
-    }
+    krhpr_poses_keep(valid, p, 2);
+    krhpr_poses_keep(valid, phi, 1);
+    krhpr_poses_keep(valid, raw, 4);
+    krhpr_poses_keep(valid, mismatch, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 2);
-        krhpr_poses_keep(finite, phi, 1);
-        krhpr_poses_keep(finite, raw, 4);
-        krhpr_poses_keep(finite, mismatch, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 2);
+    krhpr_poses_keep(finite, phi, 1);
+    krhpr_poses_keep(finite, raw, 4);
+    krhpr_poses_keep(finite, mismatch, 3);
 }
 
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
@@ -2610,7 +2973,8 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[6];
@@ -2631,9 +2995,20 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_c_forward_encoders_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2678,13 +3053,14 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2697,6 +3073,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2736,13 +3113,14 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_batch(
     const krhpr_planar_rrr_c_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2755,6 +3133,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_soa(
     const krhpr_planar_rrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2794,3 +3173,4 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_soa(
     }
     return first;
 }
+#endif

@@ -161,6 +161,13 @@ static inline int krhpr_by_fours(int n)
 }
 #endif
 
+/* How many of the poses of a batch are computed together: all, but a few that are left over and quicker one by one. */
+static inline ptrdiff_t krhpr_poses_together(size_t count)
+{
+    const ptrdiff_t rest = (ptrdiff_t)(count % KRHPR_LANES);
+    return (ptrdiff_t)count - (3 * rest <= KRHPR_LANES ? rest : 0);
+}
+
 /* How many of the poses left fit. */
 static inline int krhpr_poses_here(size_t left)
 {

@@ -20,15 +20,18 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_rotation_error_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT error, krhpr_ints *answer)
 {
     (void)g;
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(Q, 9);
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, error, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, error, 1);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_batch(
@@ -37,7 +40,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q[9];
@@ -47,9 +51,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -77,13 +89,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_soa(
     }
     return first;
 }
+#endif
 
 /* end_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_end_points_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -96,12 +108,16 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_end_points_lanes(
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 9);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 9);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_batch(
@@ -110,7 +126,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -124,9 +141,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_end_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -158,13 +185,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_soa(
     }
     return first;
 }
+#endif
 
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes tail_y[3];
     krhpr_lanes tail_x[3];
@@ -177,12 +204,16 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
     for (int i = 0; i < 3; ++i) {
         redundant[i] = tail[1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, redundant, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_batch(
@@ -191,7 +222,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -205,9 +237,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_redundant_coordinates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -239,13 +281,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at theta[9],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
@@ -260,19 +302,24 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
             &g->subleg, i, theta + 3 * i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 3 * i,
             &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, s + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, s + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 9);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_batch(
@@ -281,7 +328,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[9];
@@ -293,9 +341,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_subleg_forward(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -330,13 +387,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
@@ -350,19 +407,24 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
         krhpr_subleg_p_fivebar_forward_all_lanes(
             &g->subleg, i, theta + 3 * i, sine + 2 * i, cosine + 2 * i, s + 6 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, s + 6 * i, 6);
-        }
+        krhpr_poses_keep(kept_1, s + 6 * i, 6);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 18);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 18);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_batch(
@@ -371,7 +433,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[9];
@@ -381,9 +444,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -411,31 +482,36 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9);
     krhpr_lanes radicand[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_p_fivebar_inverse_all_lanes(&g->subleg, i, s + 3 * i, theta + 12 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 12 * i, 12);
-        }
+        krhpr_poses_keep(kept_1, theta + 12 * i, 12);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 36);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 36);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_batch(
@@ -444,7 +520,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -454,9 +531,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 36, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -484,13 +569,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[6];
@@ -508,19 +593,24 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
             &g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_jacobian_lanes(&g->subleg, i, d, u_1, u_2, M + 9 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, M + 9 * i, 9);
-        }
+        krhpr_poses_keep(kept_1, M + 9 * i, 9);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, M, 27);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, M, 27);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_batch(
@@ -529,7 +619,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -541,9 +632,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 27, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -573,23 +673,27 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_soa(
     }
     return first;
 }
+#endif
 
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_constraints_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_residual_lanes(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, residual, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, residual, 6);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_batch(
@@ -598,7 +702,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -612,9 +717,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_constraints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -646,6 +761,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_soa(
     }
     return first;
 }
+#endif
 
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobians_lanes(
@@ -653,7 +769,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobians_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes regularity[3];
@@ -682,21 +797,26 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobians_lanes(
             K[21 * i + 9 + k] = K_block[3 + k];
         }
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, K + 21 * i + 0, 3);
-            krhpr_poses_keep(kept_1, K + 21 * i + 9, 3);
-        }
+        krhpr_poses_keep(kept_1, K + 21 * i + 0, 3);
+        krhpr_poses_keep(kept_1, K + 21 * i + 9, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 36);
-        krhpr_poses_keep(finite, K, 54);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 36);
+    krhpr_poses_keep(finite, K, 54);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_batch(
@@ -705,7 +825,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -723,9 +844,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 54, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_jacobians(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -763,6 +894,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_soa(
     }
     return first;
 }
+#endif
 
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
@@ -770,7 +902,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes regularity[3];
@@ -791,20 +922,25 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
             &g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
         krhpr_subleg_p_fivebar_project_lanes(&g->subleg, i, d, u_1, u_2, N, K + 6 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, K + 6 * i, 6);
-        }
+        krhpr_poses_keep(kept_1, K + 6 * i, 6);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 36);
-        krhpr_poses_keep(finite, K, 18);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 36);
+    krhpr_poses_keep(finite, K, 18);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_batch(
@@ -813,7 +949,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -831,9 +968,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_jacobian_blocks(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -871,6 +1018,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_soa(
     }
     return first;
 }
+#endif
 
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_lanes(
@@ -878,7 +1026,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 6);
     krhpr_lanes radicand[3];
@@ -894,19 +1041,24 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_lanes(
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_p_fivebar_inverse_lanes(&g->subleg, i, s, mode + 2 * i, theta + 3 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 9);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_batch(
@@ -915,7 +1067,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -931,9 +1084,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_inverse(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -972,13 +1135,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_all_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
@@ -993,19 +1156,24 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_all_lanes(
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_p_fivebar_inverse_all_lanes(&g->subleg, i, s, theta + 12 * i, &radicand[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 12 * i, 12);
-        }
+        krhpr_poses_keep(kept_1, theta + 12 * i, 12);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 36);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 36);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_batch(
@@ -1014,7 +1182,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1028,9 +1197,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 36, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_inverse_all(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1062,6 +1241,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_near_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -1069,7 +1249,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_near_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
@@ -1081,6 +1261,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_near_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_near_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1113,6 +1294,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_near_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_status_lanes(
@@ -1120,7 +1302,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 6);
     krhpr_lanes angle[3];
@@ -1135,16 +1316,23 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_status_lanes(
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
         krhpr_subleg_p_fivebar_reach_lanes(&g->subleg, i, s, mode + 2 * i, &excess[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, excess, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, excess, 3);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_batch(
@@ -1153,7 +1341,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1169,9 +1358,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_inverse_status(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1210,6 +1409,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_soa(
     }
     return first;
 }
+#endif
 
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
@@ -1217,7 +1417,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
@@ -1248,6 +1447,18 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
         krhpr_algebra_spatial_rate_lanes(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_lanes(Q, line, point, rate, twist, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
@@ -1255,15 +1466,10 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist, 6);
-    }
+    krhpr_poses_keep(valid, twist, 6);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist, 6);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_twist_batch(
@@ -1272,7 +1478,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1290,9 +1497,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_twist(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_twist_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1328,6 +1545,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist_soa(
     }
     return first;
 }
+#endif
 
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_rates_lanes(
@@ -1335,7 +1553,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_rates_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
@@ -1358,19 +1575,24 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_rates_lanes(
         krhpr_subleg_p_fivebar_rates_lanes(
             &g->subleg, i, d, u_1, u_2, s_dot, theta_dot + 3 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_dot, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_dot, 9);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_batch(
@@ -1379,7 +1601,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1400,9 +1623,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_joint_rates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1441,6 +1674,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_soa(
     }
     return first;
 }
+#endif
 
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
@@ -1449,7 +1683,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
         krhpr_poses_taint(theta_ddot, 9);
@@ -1490,6 +1723,18 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
         krhpr_algebra_spatial_rate_with_bias_lanes(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_a_solve_lanes(Q, line, point, rate, twist_rate, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
@@ -1497,15 +1742,10 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist_rate, 6);
-    }
+    krhpr_poses_keep(valid, twist_rate, 6);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist_rate, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist_rate, 6);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_batch(
@@ -1514,7 +1754,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1537,9 +1778,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_platform_acceleration(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1580,6 +1832,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_soa(
     }
     return first;
 }
+#endif
 
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
@@ -1589,7 +1842,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[6], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
@@ -1623,24 +1875,28 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
         krhpr_subleg_p_fivebar_rates_lanes(
             &g->subleg, i, d, u_1, u_2, along, theta_ddot + 3 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), parallel_regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), parallel_regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_ddot + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_1, theta_ddot + 3 * i, 3);
         const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_2))) {
-            krhpr_poses_keep(kept_2, theta_ddot + 3 * i, 3);
-        }
+        krhpr_poses_keep(kept_2, theta_ddot + 3 * i, 3);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_ddot, 9);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_ddot, 9);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_batch(
@@ -1649,7 +1905,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1677,9 +1934,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_joint_accelerations(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1725,6 +1993,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_soa(
     }
     return first;
 }
+#endif
 
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_passive_joints_lanes(
@@ -1733,7 +2002,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT spherical, krhpr_lanes_at *KRHPR_RESTRICT platform_joint,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
@@ -1767,14 +2035,18 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_passive_joints_lanes(
         passive[3 * i + 2] = tail[3 * i + 2];
         platform_joint[i] = tail[9 + 1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, passive, 9);
-        krhpr_poses_keep(finite, spherical, 27);
-        krhpr_poses_keep(finite, platform_joint, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, passive, 9);
+    krhpr_poses_keep(finite, spherical, 27);
+    krhpr_poses_keep(finite, platform_joint, 3);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_batch(
@@ -1783,7 +2055,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1804,9 +2077,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_passive_joints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1849,6 +2133,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_soa(
     }
     return first;
 }
+#endif
 
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_link_points_lanes(
@@ -1856,7 +2141,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_link_points_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
@@ -1875,13 +2159,17 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_link_points_lanes(
         krhpr_subleg_p_fivebar_points_lanes(&g->subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
         krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p, Q, attachment + 3 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, points, 63);
-        krhpr_poses_keep(finite, attachment, 9);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, points, 63);
+    krhpr_poses_keep(finite, attachment, 9);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_batch(
@@ -1890,7 +2178,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1908,9 +2197,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_link_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1948,6 +2247,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_soa(
     }
     return first;
 }
+#endif
 
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_singularity_lanes(
@@ -1956,7 +2256,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
@@ -1981,15 +2280,19 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_singularity_lanes(
             &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_1, 3);
-        krhpr_poses_keep(finite, factors, 9);
-        krhpr_poses_keep(finite, type_2, 2);
-        krhpr_poses_keep(finite, margins, 2);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_1, 3);
+    krhpr_poses_keep(finite, factors, 9);
+    krhpr_poses_keep(finite, type_2, 2);
+    krhpr_poses_keep(finite, margins, 2);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_batch(
@@ -1998,7 +2301,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -2021,9 +2325,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_singularity(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2070,13 +2385,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_soa(
     }
     return first;
 }
+#endif
 
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
@@ -2093,13 +2408,17 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_2, 2);
-        krhpr_poses_keep(finite, margins, 2);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_2, 2);
+    krhpr_poses_keep(finite, margins, 2);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_batch(
@@ -2108,7 +2427,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant[3];
@@ -2120,9 +2440,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2154,6 +2483,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -2161,7 +2491,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
@@ -2174,6 +2504,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2212,6 +2543,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_all_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -2219,7 +2551,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL,
             in[2] ? in[2] + k * in_step[2] : NULL, *(in[3] + k * in_step[3]), out[0] + k * out_step[0],
@@ -2233,6 +2565,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2279,6 +2612,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -2286,7 +2620,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_newton(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
@@ -2299,6 +2633,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2335,6 +2670,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_1 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
@@ -2342,7 +2678,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
@@ -2363,23 +2698,28 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
     }
     krhpr_platform_spatial_a_one_encoder_lanes(
         s, turns, anchor, length, arm, tolerance[0], flatness, radicand, p, Q, mismatch, agreement);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), radicand[0]), status, KRHPR_INCONSISTENT);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 6);
-        krhpr_poses_keep(valid, Q, 18);
-        krhpr_poses_keep(valid, mismatch, 2);
-    }
+    krhpr_poses_keep(valid, p, 6);
+    krhpr_poses_keep(valid, Q, 18);
+    krhpr_poses_keep(valid, mismatch, 2);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 6);
-        krhpr_poses_keep(finite, Q, 18);
-        krhpr_poses_keep(finite, mismatch, 2);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 6);
+    krhpr_poses_keep(finite, Q, 18);
+    krhpr_poses_keep(finite, mismatch, 2);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_batch(
@@ -2388,7 +2728,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -2407,9 +2748,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_forward_encoders_1(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2450,6 +2801,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_of_theta_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -2457,7 +2809,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_of_theta_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_passive_joints_of_theta(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL,
             in[2] ? in[2] + k * in_step[2] : NULL, *(in[3] + k * in_step[3]), out[0] + k * out_step[0],
@@ -2471,6 +2823,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_of_theta_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_of_theta_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2519,6 +2872,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_of_theta_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
@@ -2526,7 +2880,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
@@ -2554,26 +2907,32 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
         s, turns, anchor, length, arm, tolerance[0], flatness, points, axes, ends, spread, linear, mismatch,
         agreement);
     krhpr_platform_spatial_a_encoder_pose_lanes(s, linear, axes, direction, p, Q, raw);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 3);
-        krhpr_poses_keep(valid, Q, 9);
-        krhpr_poses_keep(valid, raw, 9);
-        krhpr_poses_keep(valid, mismatch, 1);
-    }
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, raw, 9);
+    krhpr_poses_keep(valid, mismatch, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 3);
-        krhpr_poses_keep(finite, Q, 9);
-        krhpr_poses_keep(finite, raw, 9);
-        krhpr_poses_keep(finite, mismatch, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, raw, 9);
+    krhpr_poses_keep(finite, mismatch, 1);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_batch(
@@ -2582,7 +2941,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -2603,9 +2963,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_forward_encoders_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2650,6 +3021,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
@@ -2657,7 +3029,6 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
@@ -2685,26 +3056,32 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
         s, turns, anchor, length, arm, tolerance[0], flatness, points, axes, ends, spread, linear, mismatch,
         agreement);
     krhpr_platform_spatial_a_encoder_pose_lanes(s, linear, axes, direction, p, Q, raw);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 3);
-        krhpr_poses_keep(valid, Q, 9);
-        krhpr_poses_keep(valid, raw, 9);
-        krhpr_poses_keep(valid, mismatch, 3);
-    }
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, raw, 9);
+    krhpr_poses_keep(valid, mismatch, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 3);
-        krhpr_poses_keep(finite, Q, 9);
-        krhpr_poses_keep(finite, raw, 9);
-        krhpr_poses_keep(finite, mismatch, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, raw, 9);
+    krhpr_poses_keep(finite, mismatch, 3);
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_batch(
@@ -2713,7 +3090,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -2734,9 +3112,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_forward_encoders_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2781,6 +3170,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -2788,7 +3178,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2801,6 +3191,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2840,6 +3231,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_batch(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
@@ -2847,7 +3239,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2860,6 +3252,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2899,3 +3292,4 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_soa(
     }
     return first;
 }
+#endif

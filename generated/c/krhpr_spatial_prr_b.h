@@ -14,7 +14,8 @@
  *   ..._batch  an array of structures: steps count doubles (status: ints) from one pose to the next and may be 0
  *   ..._soa    a structure of arrays, in blocks of `block` poses (0: all in one): number n of pose k of a block is at
  *              n * block + k, and steps count doubles from one block to the next (0: the same for all).  Arrays are used
- *              as they are where block is KRHPR_LANES and they are aligned to it; otherwise they are copied in passing
+ *              as they are where block is KRHPR_LANES, otherwise they are copied in passing; -DKRHPR_WITHOUT_SOA leaves
+ *              these functions out
  *
  * Working modes (signs elbow):
  *   elbow+                   {1}

@@ -20,15 +20,18 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_rotation_error_lanes(
     krhpr_ints *answer)
 {
     (void)g;
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(Q, 9);
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, error, 1);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, error, 1);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_batch(
@@ -37,7 +40,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q[9];
@@ -47,9 +51,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -77,23 +89,27 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_soa(
     }
     return first;
 }
+#endif
 
 /* end_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_end_points_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 3 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 9);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 9);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_end_points_batch(
@@ -102,7 +118,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -116,9 +133,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_end_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_end_points_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -150,23 +177,27 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points_soa(
     }
     return first;
 }
+#endif
 
 /* redundant_coordinates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_redundant_coordinates_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p, Q, s + 3 * i, &redundant[i]);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, redundant, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_batch(
@@ -175,7 +206,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -189,9 +221,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_redundant_coordinates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -223,13 +265,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_subleg_forward_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[12];
     krhpr_lanes sine[12];
@@ -241,12 +283,16 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, s, 9);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, s, 9);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_batch(
@@ -255,7 +301,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[12];
@@ -265,9 +312,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -295,13 +350,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_subleg_inverse_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(swivel, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
@@ -338,19 +393,24 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_subleg_inverse_lanes(
         theta[16 * i + 14] = tail[10 * i + 9];
         theta[16 * i + 15] = tail[10 * i + 5];
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 16 * i, 16);
-        }
+        krhpr_poses_keep(kept_1, theta + 16 * i, 16);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 48);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 48);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_batch(
@@ -359,7 +419,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -371,9 +432,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 48, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_subleg_inverse(
+            g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -408,13 +478,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* swivel of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_swivel_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12],
     krhpr_lanes_at *KRHPR_RESTRICT swivel, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -440,12 +510,16 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_swivel_lanes(
     for (int i = 0; i < 3; ++i) {
         swivel[i] = tail[1 * i + 0];
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, swivel, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, swivel, 3);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_swivel_batch(
@@ -454,7 +528,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -466,9 +541,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], swivel, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_swivel(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_swivel_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -498,13 +582,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel_soa(
     }
     return first;
 }
+#endif
 
 /* subleg_jacobian of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_subleg_jacobian_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -523,12 +607,16 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_subleg_jacobian_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_jacobian_lanes(&g->subleg, i, x, e_2, d, v, e_4, M + 12 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, M, 36);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, M, 36);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_batch(
@@ -537,7 +625,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -549,9 +638,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 36, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_subleg_jacobian(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -581,23 +679,27 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_soa(
     }
     return first;
 }
+#endif
 
 /* constraints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_constraints_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p, Q, s + 3 * i, residual + 2 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, residual, 6);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, residual, 6);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_constraints_batch(
@@ -606,7 +708,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -620,9 +723,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_constraints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_constraints_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -654,6 +767,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints_soa(
     }
     return first;
 }
+#endif
 
 /* jacobians of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_jacobians_lanes(
@@ -661,7 +775,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_jacobians_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12);
     for (int k = 0; k < 72; ++k) {
@@ -691,13 +804,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_jacobians_lanes(
             K[28 * i + 12 + k] = K_block[4 + k];
         }
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 36);
-        krhpr_poses_keep(finite, K, 72);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 36);
+    krhpr_poses_keep(finite, K, 72);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_jacobians_batch(
@@ -706,7 +823,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -724,9 +842,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 72, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_jacobians(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_jacobians_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -764,6 +892,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_soa(
     }
     return first;
 }
+#endif
 
 /* jacobian_blocks of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_jacobian_blocks_lanes(
@@ -771,7 +900,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
@@ -793,13 +921,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_jacobian_blocks_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_project_lanes(&g->subleg, i, x, e_2, d, v, e_4, N, K + 8 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, J, 36);
-        krhpr_poses_keep(finite, K, 24);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 36);
+    krhpr_poses_keep(finite, K, 24);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_batch(
@@ -808,7 +940,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -826,9 +959,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 24, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_jacobian_blocks(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -866,6 +1009,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_soa(
     }
     return first;
 }
+#endif
 
 /* inverse of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_lanes(
@@ -873,7 +1017,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
     krhpr_lanes radicand[3];
@@ -901,19 +1044,24 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_lanes(
         theta[4 * i + 2] = tail[4 * i + 2];
         theta[4 * i + 3] = tail[4 * i + 3];
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, theta + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 12);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_batch(
@@ -922,7 +1070,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -940,9 +1089,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_inverse(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -988,6 +1148,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_all_lanes(
@@ -995,7 +1156,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_all_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at swivel[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(swivel, 3);
     krhpr_lanes radicand[3];
@@ -1034,19 +1194,24 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_all_lanes(
         theta[16 * i + 14] = tail[10 * i + 9];
         theta[16 * i + 15] = tail[10 * i + 5];
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta + 16 * i, 16);
-        }
+        krhpr_poses_keep(kept_1, theta + 16 * i, 16);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta, 48);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta, 48);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_batch(
@@ -1055,7 +1220,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1071,9 +1237,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 48, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_inverse_all(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1112,6 +1288,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_batch(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, const double *const in[],
@@ -1119,7 +1296,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] ? in[4] + k * in_step[4] : NULL, out[0] + k * out_step[0]);
@@ -1131,6 +1308,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1167,6 +1345,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_soa(
     }
     return first;
 }
+#endif
 
 /* inverse_status of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_status_lanes(
@@ -1174,7 +1353,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
         krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
     for (int i = 0; i < 3; ++i) {
@@ -1182,16 +1360,23 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_inverse_status_lanes(
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
         krhpr_subleg_rrrr_reach_lanes(&g->subleg, i, s, &excess[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, excess, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, excess, 3);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_batch(
@@ -1200,7 +1385,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1218,9 +1404,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_inverse_status(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1266,6 +1463,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_soa(
     }
     return first;
 }
+#endif
 
 /* twist of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_twist_lanes(
@@ -1273,7 +1471,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_twist_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at theta_dot[12],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12) + krhpr_poses_taint(theta_dot, 12);
     krhpr_lanes line[18];
@@ -1304,18 +1501,22 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_twist_lanes(
         krhpr_algebra_spatial_rate_lanes(N, s_dot, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_lanes(Q, line, point, rate, twist, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist, 6);
-    }
+    krhpr_poses_keep(valid, twist, 6);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist, 6);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_twist_batch(
@@ -1324,7 +1525,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1342,9 +1544,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_twist(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_twist_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1380,6 +1592,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist_soa(
     }
     return first;
 }
+#endif
 
 /* joint_rates of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_joint_rates_lanes(
@@ -1388,7 +1601,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at swivel_rates[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(swivel_rates, 3);
@@ -1414,19 +1626,24 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_joint_rates_lanes(
         krhpr_subleg_rrrr_rates_lanes(
             &g->subleg, i, x, e_2, d, v, e_4, s_dot, swivel_rates[i], theta_dot + 4 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_dot + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, theta_dot + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_dot, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_dot, 12);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_batch(
@@ -1435,7 +1652,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1458,9 +1676,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_joint_rates(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1501,6 +1730,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_soa(
     }
     return first;
 }
+#endif
 
 /* platform_acceleration of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_platform_acceleration_lanes(
@@ -1509,7 +1739,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[12], const krhpr_lanes_at theta_ddot[12],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 12) +
         krhpr_poses_taint(theta_ddot, 12);
@@ -1551,18 +1780,22 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_platform_acceleration_lanes(
         krhpr_algebra_spatial_rate_with_bias_lanes(N, s_ddot, row_bias, rate + 2 * i);
     }
     krhpr_platform_spatial_c_solve_lanes(Q, line, point, rate, twist_rate, det_regularity);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, twist_rate, 6);
-    }
+    krhpr_poses_keep(valid, twist_rate, 6);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, twist_rate, 6);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, twist_rate, 6);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_batch(
@@ -1571,7 +1804,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1594,9 +1828,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_platform_acceleration(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1637,6 +1882,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_soa(
     }
     return first;
 }
+#endif
 
 /* joint_accelerations of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_joint_accelerations_lanes(
@@ -1647,7 +1893,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_joint_accelerations_lanes(
     const krhpr_lanes_at swivel_accelerations[3], krhpr_lanes_at *KRHPR_RESTRICT theta_ddot,
     krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
         krhpr_poses_taint(theta_dot, 12) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3) +
@@ -1686,19 +1931,24 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_joint_accelerations_lanes(
         krhpr_subleg_rrrr_rates_lanes(
             &g->subleg, i, x, e_2, d, v, e_4, along, swivel_along, theta_ddot + 4 * i, &regularity[i]);
     }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        if (krhpr_any(krhpr_not(kept_1))) {
-            krhpr_poses_keep(kept_1, theta_ddot + 4 * i, 4);
-        }
+        krhpr_poses_keep(kept_1, theta_ddot + 4 * i, 4);
     }
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, theta_ddot, 12);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, theta_ddot, 12);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_batch(
@@ -1707,7 +1957,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1737,9 +1988,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_batch(
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_joint_accelerations(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            in[7] + k * in_step[7], in[8] + k * in_step[8], in[9] + k * in_step[9], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1787,6 +2049,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_soa(
     }
     return first;
 }
+#endif
 
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_passive_joints_lanes(
@@ -1794,7 +2057,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_passive_joints_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT spherical,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
@@ -1819,13 +2081,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_passive_joints_lanes(
             &g->platform, i, p, Q, s + 3 * i, redundant_link, &platform_joint[i]);
         krhpr_algebra_spatial_wrist_lanes(link, redundant_link, spherical + 9 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, spherical, 27);
-        krhpr_poses_keep(finite, platform_joint, 3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, spherical, 27);
+    krhpr_poses_keep(finite, platform_joint, 3);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_batch(
@@ -1834,7 +2100,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1852,9 +2119,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_passive_joints(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1892,6 +2169,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_soa(
     }
     return first;
 }
+#endif
 
 /* link_points of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_link_points_lanes(
@@ -1899,7 +2177,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_link_points_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
@@ -1920,13 +2197,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_link_points_lanes(
         krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x, e_2, v, s + 3 * i, points + 12 * i);
         krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s + 3 * i, attachment + 3 * i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, points, 36);
-        krhpr_poses_keep(finite, attachment, 9);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, points, 36);
+    krhpr_poses_keep(finite, attachment, 9);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_link_points_batch(
@@ -1935,7 +2216,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -1953,9 +2235,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_link_points(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_link_points_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -1993,6 +2285,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points_soa(
     }
     return first;
 }
+#endif
 
 /* singularity of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_singularity_lanes(
@@ -2001,7 +2294,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
         krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
@@ -2028,15 +2320,19 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_singularity_lanes(
             &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_1, 3);
-        krhpr_poses_keep(finite, factors, 12);
-        krhpr_poses_keep(finite, type_2, 2);
-        krhpr_poses_keep(finite, margins, 2);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_1, 3);
+    krhpr_poses_keep(finite, factors, 12);
+    krhpr_poses_keep(finite, type_2, 2);
+    krhpr_poses_keep(finite, margins, 2);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_singularity_batch(
@@ -2045,7 +2341,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p[3];
@@ -2067,9 +2364,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_singularity(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
+            out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_singularity_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2116,13 +2424,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_soa(
     }
     return first;
 }
+#endif
 
 /* type_2_of_redundant of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_type_2_of_redundant_lanes(
     const krhpr_spatial_rrrr_c_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
@@ -2132,13 +2440,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_type_2_of_redundant_lanes(
             &g->platform, i, redundant[i], line + 6 * i, point + 2 * i, scale + 2 * i);
     }
     krhpr_platform_spatial_c_type_2_lanes(line, point, scale, type_2, margins);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, type_2, 2);
-        krhpr_poses_keep(finite, margins, 2);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
     }
-    *answer = status;
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, type_2, 2);
+    krhpr_poses_keep(finite, margins, 2);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_batch(
@@ -2147,7 +2459,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant[3];
@@ -2159,9 +2472,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_type_2_of_redundant(
+            g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2193,6 +2515,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_soa(
     }
     return first;
 }
+#endif
 
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_all_lanes(
@@ -2201,7 +2524,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_all_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
     krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(turned, 1);
     krhpr_lanes slide[6];
     krhpr_lanes sign[1];
@@ -2213,29 +2535,35 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_all_lanes(
     }
     krhpr_platform_spatial_c_assembly_modes_lanes(
         s, slide, turned[0], sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(0.5), sign[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.5), sign[0]), status, KRHPR_NO_ASSEMBLY);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 6);
-        krhpr_poses_keep(valid, Q, 18);
-        krhpr_poses_keep(valid, redundant, 6);
-        krhpr_poses_keep(valid, det_J, 2);
-        krhpr_poses_keep(valid, count, 1);
-        *count = krhpr_where(valid, *count, krhpr_all(0.0));
-    }
+    krhpr_poses_keep(valid, p, 6);
+    krhpr_poses_keep(valid, Q, 18);
+    krhpr_poses_keep(valid, redundant, 6);
+    krhpr_poses_keep(valid, det_J, 2);
+    krhpr_poses_keep(valid, count, 1);
+    *count = krhpr_where(valid, *count, krhpr_all(0.0));
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 6);
-        krhpr_poses_keep(finite, Q, 18);
-        krhpr_poses_keep(finite, redundant, 6);
-        krhpr_poses_keep(finite, det_J, 2);
-        krhpr_poses_keep(finite, count, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 6);
+    krhpr_poses_keep(finite, Q, 18);
+    krhpr_poses_keep(finite, redundant, 6);
+    krhpr_poses_keep(finite, det_J, 2);
+    krhpr_poses_keep(finite, count, 1);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_forward_all_batch(
@@ -2244,7 +2572,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -2264,9 +2593,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_forward_all(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_forward_all_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2312,6 +2652,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_soa(
     }
     return first;
 }
+#endif
 
 /* forward of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_lanes(
@@ -2320,7 +2661,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
     krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(theta, 12) + krhpr_poses_taint(side, 1);
     krhpr_lanes s[9];
     krhpr_lanes slide[6];
@@ -2341,28 +2681,34 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_lanes(
     }
     krhpr_platform_spatial_c_assembly_mode_lanes(
         s, slide, side[0], flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(0.5), sign[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.5), sign[0]), status, KRHPR_NO_ASSEMBLY);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), breadth[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]), status, KRHPR_NO_ASSEMBLY);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 3);
-        krhpr_poses_keep(valid, Q, 9);
-        krhpr_poses_keep(valid, redundant, 3);
-        krhpr_poses_keep(valid, count, 1);
-        krhpr_poses_keep(valid, certified, 1);
-    }
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, redundant, 3);
+    krhpr_poses_keep(valid, count, 1);
+    krhpr_poses_keep(valid, certified, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 3);
-        krhpr_poses_keep(finite, Q, 9);
-        krhpr_poses_keep(finite, redundant, 3);
-        krhpr_poses_keep(finite, count, 1);
-        krhpr_poses_keep(finite, certified, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, redundant, 3);
+    krhpr_poses_keep(finite, count, 1);
+    krhpr_poses_keep(finite, certified, 1);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_forward_batch(
@@ -2371,7 +2717,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta[12];
@@ -2391,9 +2738,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_batch(
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_forward(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
+            out[4] + k * out_step[4]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_forward_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2439,6 +2797,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_batch(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, const double *const in[],
@@ -2446,7 +2805,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_passive_joints_of_theta(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
@@ -2459,6 +2818,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2496,6 +2856,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_2 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_encoders_2_lanes(
@@ -2503,7 +2864,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes flatness[1];
@@ -2520,26 +2880,32 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_encoders_2_lanes(
     krhpr_platform_spatial_c_two_encoders_lanes(
         s, measured, slide, tolerance[0], flatness, points, axes, ends, spread, linear, mismatch, agreement);
     krhpr_platform_spatial_c_encoder_pose_lanes(s, linear, axes, direction, p, Q, raw);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 3);
-        krhpr_poses_keep(valid, Q, 9);
-        krhpr_poses_keep(valid, raw, 9);
-        krhpr_poses_keep(valid, mismatch, 1);
-    }
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, raw, 9);
+    krhpr_poses_keep(valid, mismatch, 1);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 3);
-        krhpr_poses_keep(finite, Q, 9);
-        krhpr_poses_keep(finite, raw, 9);
-        krhpr_poses_keep(finite, mismatch, 1);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, raw, 9);
+    krhpr_poses_keep(finite, mismatch, 1);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_batch(
@@ -2548,7 +2914,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -2569,9 +2936,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_forward_encoders_2(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2616,6 +2994,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_soa(
     }
     return first;
 }
+#endif
 
 /* forward_encoders_3 of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_encoders_3_lanes(
@@ -2623,7 +3002,6 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes slide[6];
     krhpr_lanes flatness[1];
@@ -2640,26 +3018,32 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_forward_encoders_3_lanes(
     krhpr_platform_spatial_c_three_encoders_lanes(
         s, measured, slide, tolerance[0], flatness, points, axes, ends, spread, linear, mismatch, agreement);
     krhpr_platform_spatial_c_encoder_pose_lanes(s, linear, axes, direction, p, Q, raw);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
     const krhpr_ints valid = krhpr_is_ok(status);
-    if (krhpr_any(krhpr_not(valid))) {
-        krhpr_poses_keep(valid, p, 3);
-        krhpr_poses_keep(valid, Q, 9);
-        krhpr_poses_keep(valid, raw, 9);
-        krhpr_poses_keep(valid, mismatch, 3);
-    }
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, raw, 9);
+    krhpr_poses_keep(valid, mismatch, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
-    if (krhpr_any(krhpr_not(finite))) {
-        status = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
-        krhpr_poses_keep(finite, p, 3);
-        krhpr_poses_keep(finite, Q, 9);
-        krhpr_poses_keep(finite, raw, 9);
-        krhpr_poses_keep(finite, mismatch, 3);
-    }
-    *answer = status;
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, raw, 9);
+    krhpr_poses_keep(finite, mismatch, 3);
 }
 
 KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_batch(
@@ -2668,7 +3052,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; k += KRHPR_LANES) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s[9];
@@ -2689,9 +3074,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_batch(
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_rrrr_c_forward_encoders_3(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2736,6 +3132,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_batch(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, const double *const in[],
@@ -2743,7 +3140,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2756,6 +3153,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2795,6 +3193,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_soa(
     }
     return first;
 }
+#endif
 
 KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_batch(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, const double *const in[],
@@ -2802,7 +3201,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2815,6 +3214,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_batch(
     return first;
 }
 
+#ifndef KRHPR_WITHOUT_SOA
 KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_soa(
     const krhpr_spatial_rrrr_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
@@ -2854,3 +3254,4 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_soa(
     }
     return first;
 }
+#endif

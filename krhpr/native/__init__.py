@@ -6,7 +6,14 @@ address = function_address(library, "f_batch")
 y, status = f(x, A)
 """
 
-from krhpr.native.adapter import extension_path, function_address, load_library, make_gufunc
+from krhpr.native.adapter import (
+    Bound,
+    bind,
+    extension_paths,
+    function_address,
+    load_library,
+    make_gufunc,
+)
 from krhpr.native.cache import cache_folder
 from krhpr.native.compiler import (
     SPEED_FLAGS,
@@ -19,12 +26,14 @@ from krhpr.native.compiler import (
 
 __all__ = [
     "SPEED_FLAGS",
+    "Bound",
     "CompilationError",
     "Compiler",
     "NoCompiler",
+    "bind",
     "cache_folder",
     "compile_library",
-    "extension_path",
+    "extension_paths",
     "find_compiler",
     "function_address",
     "load_library",

@@ -7,7 +7,8 @@ Every generated kernel has a batch function of one type:
 
 Steps are counted in elements, from one member of the batch to the next, and may be zero or negative; each
 member's array is contiguous, in row-major order. `make_gufunc` turns such a function into a NumPy generalized
-ufunc, by one small extension module that is compiled when first needed.
+ufunc, `bind` makes a function without arguments of one call, by two small extension modules that are
+compiled when first needed.
 """
 
 from __future__ import annotations
@@ -21,15 +22,14 @@ import sys
 import sysconfig
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, cast
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
 from krhpr.native.compiler import SHARED, NoCompiler, compile_library
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from numpy.typing import NDArray
     from typing_extensions import Buffer
 
@@ -46,8 +46,23 @@ EXTENSION_FLAGS = (
 _extension_lock = threading.Lock()
 
 
-class _Extension(Protocol):
-    """What the compiled module offers (gufunc.c)."""
+class Bound(Protocol):
+    """A function on arrays that are bound once; calling it computes its outputs and returns the status."""
+
+    @property
+    def inputs(self) -> Any:
+        """The arrays that a call reads, by name."""
+
+    @property
+    def outputs(self) -> Any:
+        """The arrays that a call writes, by name."""
+
+    def __call__(self) -> int:
+        """Compute the outputs; the status."""
+
+
+class _GufuncModule(Protocol):
+    """What gufunc.c offers."""
 
     def make(
         self,
@@ -61,6 +76,19 @@ class _Extension(Protocol):
         owner: object,
         /,
     ) -> np.ufunc: ...
+
+
+class _BoundModule(Protocol):
+    """What bound.c offers."""
+
+    def Bound(
+        self,
+        function: int,
+        geometry: Bytes | None,
+        inputs: tuple[Any, ...],
+        outputs: tuple[Any, ...],
+        owner: object,
+    ) -> Bound: ...
 
 
 def make_gufunc(
@@ -84,7 +112,26 @@ def make_gufunc(
     At most four core dimensions and 1024 core elements an argument, 4096 in all arguments together and 32
     arguments are supported; others, and a signature that does not fit, raise ValueError.
     """
-    return _extension().make(name, doc, function, geometry, signature, nin, nout, owner)
+    module = cast(_GufuncModule, _extension("gufunc"))
+    return module.make(name, doc, function, geometry, signature, nin, nout, owner)
+
+
+def bind(
+    function: int,
+    geometry: Bytes | None,
+    inputs: tuple[Any, ...],
+    outputs: tuple[Any, ...],
+    owner: object,
+) -> Bound:
+    """The batch kernel at the address `function` on one element, in arrays bound once: a call computes
+    `outputs` from `inputs` as they then are, allocates nothing and returns the status.
+
+    `inputs` and `outputs` are (named) tuples of contiguous float64 arrays, of as many numbers as the kernel
+    takes, which is not checked; they cannot be resized as long as this lives. At most 32 are supported.
+    The function keeps a copy of the bytes of `geometry`, and `owner`, which is to keep its code loaded.
+    Threads that share one must take turns.
+    """
+    return cast(_BoundModule, _extension("bound")).Bound(function, geometry, inputs, outputs, owner)
 
 
 def load_library(path: os.PathLike[str] | str) -> ctypes.CDLL:
@@ -105,8 +152,12 @@ def function_address(library: ctypes.CDLL, name: str) -> int:
     return address
 
 
-def extension_path() -> Path:
-    """The compiled extension module; compiles it if that was not done before for this Python and NumPy."""
+def extension_paths() -> tuple[Path, ...]:
+    """The compiled extension modules; compiles them if that was not done before for this Python and NumPy."""
+    return tuple(_extension_path(name) for name in ("gufunc", "bound"))
+
+
+def _extension_path(name: str) -> Path:
     headers = Path(sysconfig.get_path("include"))
     if not (headers / "Python.h").is_file():
         raise NoCompiler(
@@ -114,24 +165,24 @@ def extension_path() -> Path:
             "install them (Debian, Ubuntu: apt install python3-dev)"
         )
     return compile_library(
-        "gufunc",
-        [Path(__file__).with_name("gufunc.c")],
+        name,
+        [Path(__file__).with_name(f"{name}.c")],
         system_include_dirs=[headers, Path(np.get_include())],
         flags=EXTENSION_FLAGS,
         tag=f"{sys.version} {sysconfig.get_config_var('EXT_SUFFIX')} {np.__version__}",
     )
 
 
-def _extension() -> _Extension:
+def _extension(name: str) -> ModuleType:
     with _extension_lock:
-        return _load_extension()
+        return _load_extension(name)
 
 
 @functools.cache
-def _load_extension() -> _Extension:
-    loader = importlib.machinery.ExtensionFileLoader("krhpr.native._gufunc", str(extension_path()))
+def _load_extension(name: str) -> ModuleType:
+    loader = importlib.machinery.ExtensionFileLoader(f"krhpr.native._{name}", str(_extension_path(name)))
     spec = importlib.util.spec_from_loader(loader.name, loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     loader.exec_module(module)
-    return cast(_Extension, module)
+    return module

@@ -120,7 +120,9 @@ def printed_text(subject: Subject, check: Check, count: int) -> Measured:
             found.samples += 1
             for run in PRINTED[check.target]:
                 got = run(subject, function, inputs, geometry, numbers)
-                for port in function.outputs if got is not None else ():
+                if got is None:
+                    continue
+                for port in function.outputs:
                     found.equal(got[port.name], wanted[port.name], port.name)
     return found
 

@@ -23,6 +23,8 @@ struct function {
     int (*call)(const geometry *g, const double *const in[], double *const out[]);
     int (*batch)(const geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
         double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+    int (*soa)(const geometry *g, size_t count, size_t block, const double *const in[], const ptrdiff_t in_step[],
+        double *const out[], const ptrdiff_t out_step[], int *status);
 };
 
 /* xorshift64*: the same numbers everywhere */

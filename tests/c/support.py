@@ -129,7 +129,7 @@ def table(identifier: str) -> str:
             lines.append(f"static const struct port {kind}_{f.name}[] = {{{entries}}};")
         rows.append(
             f'    {{"{f.name}", {len(f.inputs)}, in_{f.name}, {len(f.outputs)}, out_{f.name}, '
-            f"call_{f.name}, {symbol}_batch}},"
+            f"call_{f.name}, {symbol}_batch, {symbol}_soa}},"
         )
     lines += ["", "static const struct function functions[] = {", *rows, "};", ""]
     lines += [

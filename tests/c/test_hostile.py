@@ -42,9 +42,23 @@ def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Buil
     """The same promises hold for the flags that a controller is compiled with."""
     if not large(robot, full):
         pytest.skip("large samples only")
-    flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-tree-slp-vectorize")
+    flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-DTOLERANCE=1e-9")
+    flags += ("-fno-tree-slp-vectorize",)
     known = flags if compiler == "gcc" else flags[:-1]
     run([build("hostile.c", robot, compiler, *known), "100000", *may_be_nan(robot)])
+
+
+@pytest.mark.usefixtures("in_turns")
+@pytest.mark.parametrize("lanes", [1, 4, 8])
+def test_any_number_of_lanes(robot: str, compiler: str, lanes: int, build: Build, full: bool) -> None:
+    """Legs and poses side by side in as many lanes as one asks for, on any processor: bit by bit the same.
+
+    Two lanes are those of the test above.
+    """
+    if not large(robot, full):
+        pytest.skip("small samples: one robot")
+    width = f"-DKRHPR_LANES={lanes}" if lanes < 8 else "-DKRHPR_POSES=8"
+    run([build("hostile.c", robot, compiler, "-O1", "-Wno-psabi", width), "10000", *may_be_nan(robot)])
 
 
 BROKEN = {
@@ -69,6 +83,20 @@ BROKEN = {
     ),
     "an element too far": ("krhpr_lanes.h", "if (i + lane < 3)", "if (i + lane < 4)", "AddressSanitizer"),
     "a batch that repeats one element": ("source", "k * in_step[0]", "0 * in_step[0]", "batch: "),
+    "lanes that repeat the first": ("krhpr_poses.h", "here - 1) * step", "here - 1) * 0", "batch: "),
+    "even and odd poses in each other's places": (
+        "krhpr_poses.h",
+        "to[0] = KRHPR_SHUFFLE(even, odd, 0, 2)",
+        "to[0] = KRHPR_SHUFFLE(even, odd, 2, 0)",
+        "batch: ",
+    ),
+    "a row that is not the next": (
+        "krhpr_poses.h",
+        "krhpr_load(from + k * row)",
+        "krhpr_load(from + k)",
+        "soa: ",
+    ),
+    "a leg's limit that nobody looks at": ("source", "        fine &= ", "        (void)", "batch: status"),
 }
 
 
@@ -80,7 +108,7 @@ def test_a_broken_promise_is_seen(what: str, build: Build, tmp_path: Path) -> No
     kind, good, bad, said = BROKEN[what]
     folder = tmp_path / "spoilt"
     shutil.copytree(SOURCES, folder)
-    names = {"source": f"krhpr_{robot}.c"}
+    names = {"source": f"krhpr_{robot}_batch.c"}
     spoilt = folder / names.get(kind, kind)
     text = spoilt.read_text()
     assert good in text

@@ -517,7 +517,7 @@ def test_nothing_leaks(library: ctypes.CDLL) -> None:
 def test_missing_python_headers_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path / "nowhere"))
     with pytest.raises(NoCompiler, match=r"Python\.h.*python3-dev"):
-        adapter.extension_path()
+        adapter.extension_paths()
 
 
 def test_library_that_cannot_be_loaded(tmp_path: Path) -> None:

@@ -95,7 +95,8 @@ def lanes_view(part: str, kernel: Kernel) -> KernelView:
 def _place(kernel: Kernel, field: str) -> int:
     """Where a member stands in its part's structure."""
     assert kernel.geometry is not None
-    names = [entry.name for entry in (*kernel.geometry.fields, *kernel.geometry.prepare.outputs)]
+    names = [entry.name for entry in kernel.geometry.fields]
+    names += [port.name for port in kernel.geometry.prepare.outputs]
     return names.index(field)
 
 

@@ -1,4 +1,4 @@
-"""The legs of one pose side by side: a function's leg kernels over lanes, and how its arrays get there and back.
+"""The legs of one pose side by side: leg kernels over lanes, and how arrays get there and back.
 
 Each variable of a leg's kernel is an array of lanes, called like the variable with `_legs` behind it.
 """
