@@ -11,7 +11,7 @@ import atexit
 import ctypes
 import shutil
 import tempfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage
 from krhpr.codegen.targets.c import CTarget
 from krhpr.codegen.targets.c_batch import goes_side_by_side
 from krhpr.derivations.catalogue import catalogue
-from krhpr.native import function_address, load_library, make_gufunc
+from krhpr.native import Bound, bind, function_address, load_library, make_gufunc
 
 ROBOT = dict.fromkeys(("w1", "w2", "w3", "w4"), "spatial_rrr_a") | {"w5": "spatial_r_fivebar_a"}
 CALL = {
@@ -178,7 +178,8 @@ def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
             PythonContender(OURS, variant, batch=partial(_every_solution, workload, of))
             for variant, of in (("robot's method, checked", robot), ("pure NumPy module", numpy_robot))
         ]
-    gufunc = _gufunc(workload, robot)
+    compiled = _compiled(workload, robot)
+    gufunc = compiled.gufunc()
     extra = [np.array(3 * [MODE_SIGNS])] if workload.key == "w2" else []
     outputs = [array.shape for array in workload.outputs]
 
@@ -189,6 +190,12 @@ def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
         if reuse:
             return Prepared(lambda: gufunc(*arrays, *extra, out=out), _collect)
         return Prepared(lambda: gufunc(*arrays, *extra), _collect)
+
+    def buffers(inputs: list[Floats]) -> Prepared:
+        arrays = [np.ascontiguousarray(x) for x in (*inputs, *extra)]
+        out = [np.empty(shape) for shape in outputs]
+        call = compiled.bound(arrays, out)
+        return Prepared(call, lambda status: _collect_all(out))
 
     def method(inputs: list[Floats], *, of: krhpr.Robot) -> Prepared:
         batch = inputs[0].shape[: inputs[0].ndim - len(workload.inputs[0].shape)]
@@ -211,6 +218,7 @@ def python_contenders(workload: Workload) -> list[PythonContender] | Missing:
     reused, fresh = partial(bound, reuse=True), partial(bound, reuse=False)
     checked, pure = partial(method, of=robot), partial(method, of=numpy_robot)
     return [
+        PythonContender(OURS, "bound to buffers", single=buffers),
         PythonContender(OURS, "gufunc, out=", single=reused, batch=reused),
         PythonContender(OURS, "gufunc, fresh outputs", single=fresh, batch=fresh),
         PythonContender(OURS, "robot's methods, checked", single=checked, batch=checked),
@@ -229,8 +237,27 @@ def _every_solution(workload: Workload, robot: krhpr.Robot, inputs: list[Floats]
     return Prepared(lambda: robot.forward_all(s), collect)
 
 
-def _gufunc(workload: Workload, robot: krhpr.Robot) -> np.ufunc:
-    """The workload as a generalized ufunc, with the geometry as a run-time argument."""
+@dataclass(frozen=True)
+class _Compiled:
+    """The workload's function, compiled, with the geometry as a run-time argument."""
+
+    function: RobotFunction
+    address: int
+    geometry: bytes
+    library: ctypes.CDLL
+
+    def gufunc(self) -> np.ufunc:
+        """As a generalized ufunc."""
+        f = self.function
+        counts = len(f.inputs), len(f.outputs)
+        return make_gufunc(f.name, f.doc, self.address, self.geometry, f.signature, *counts, self.library)
+
+    def bound(self, inputs: list[Floats], outputs: list[Floats]) -> Bound:
+        """On buffers."""
+        return bind(self.address, self.geometry, tuple(inputs), tuple(outputs), self.library)
+
+
+def _compiled(workload: Workload, robot: krhpr.Robot) -> _Compiled:
     folder = Path(tempfile.mkdtemp(prefix="krhpr-bench-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     code = write_robot(workload, folder)
@@ -243,7 +270,4 @@ def _gufunc(workload: Workload, robot: krhpr.Robot) -> np.ufunc:
     fields = np.ascontiguousarray(robot.geometry.flat(), dtype=float)
     getattr(library, f"{prefix}_set_geometry")(geometry, fields.ctypes.data_as(ctypes.c_void_p))
     address = function_address(library, f"{prefix}_{function.name}_batch")
-    counts = len(function.inputs), len(function.outputs)
-    return make_gufunc(
-        function.name, function.doc, address, bytes(geometry), function.signature, *counts, library
-    )
+    return _Compiled(function, address, bytes(geometry), library)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from types import ModuleType
 from typing import Any, NamedTuple, TypedDict, Unpack
 
@@ -27,6 +27,7 @@ from krhpr.errors import (
 from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 from krhpr.limits import Limits
 from krhpr.native import Bound
+from krhpr.threads import in_threads
 
 SIGNS = ("side", "turned")
 """Inputs that are +1 or -1."""
@@ -58,6 +59,8 @@ class Options(TypedDict, total=False):
     """Raise Unreachable, Singular or InvalidInput for the first element without an answer."""
     check_rotation: bool
     """Check that Q is a rotation matrix within ROTATION_TOLERANCE (on unless switched off)."""
+    threads: int
+    """How many threads share a large batch (1 unless given)."""
 
 
 class Calls:
@@ -260,7 +263,8 @@ class Calls:
         if options.get("check_rotation", True):
             self._check_rotation(signature, arrays)
         outs = self._places(signature, options.get("out"))
-        *results, status = self._backend.call(function, arrays, outs)
+        call = partial(self._backend.call, function)
+        *results, status = in_threads(call, signature, arrays, outs, options.get("threads", 1))
         if options.get("check", False):
             self._raise_first(signature, arrays, np.asarray(status))
         answer = results[0] if len(results) == 1 else self._tuple(function)(*results)
