@@ -2877,13 +2877,116 @@ KRHPR_API int krhpr_spatial_prr_parallel_b_forward_encoders_3_soa(
 }
 #endif
 
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_prr_parallel_b_forward_gauss_newton_2_lanes(
+    const krhpr_spatial_prr_parallel_b_geometry *g, const krhpr_lanes_at s[9],
+    const krhpr_lanes_at measured[2], const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3],
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
+        krhpr_poses_taint(weights, 3);
+    krhpr_lanes slide[6];
+    krhpr_lanes distance[3];
+    krhpr_lanes start[3];
+    krhpr_lanes flatness[1];
+    krhpr_lanes points[6];
+    krhpr_lanes axes[9];
+    krhpr_lanes ends[4];
+    krhpr_lanes spread[1];
+    krhpr_lanes linear[6];
+    krhpr_lanes agreement[1];
+    krhpr_lanes state[6];
+    krhpr_lanes change[1];
+    krhpr_lanes direction[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    }
+    krhpr_platform_spatial_b_two_encoders_lanes(
+        s, measured, slide, distance, start, tolerance[0], flatness, points, axes, ends, spread, linear,
+        mismatch, agreement);
+    krhpr_lanes state_at[6];
+    krhpr_lanes state_on[6];
+    krhpr_lanes change_on[1];
+    change[0] = krhpr_all((double)INFINITY);
+    for (int k = 0; k < 6; ++k) {
+        state_at[k] = (linear)[k];
+    }
+    krhpr_ints moving = krhpr_not(krhpr_at_most(change[0], krhpr_all(1e-24)));
+    for (int step = 0; step < 25 && krhpr_any(moving); ++step) {
+        krhpr_platform_spatial_b_gauss_newton_2_lanes(
+            state_at, weights, points, ends, slide, distance, state_on, change_on);
+        for (int k = 0; k < 6; ++k) {
+            state_at[k] = krhpr_where(moving, state_on[k], state_at[k]);
+        }
+        change[0] = krhpr_where(moving, change_on[0], change[0]);
+        moving = krhpr_not(krhpr_at_most(change[0], krhpr_all(1e-24)));
+    }
+    for (int k = 0; k < 6; ++k) {
+        (state)[k] = state_at[k];
+    }
+    krhpr_platform_spatial_b_encoder_pose_lanes(s, state, axes, direction, p, Q, raw);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
+    status = krhpr_expect(krhpr_at_most(change[0], krhpr_all(1e-24)), status, KRHPR_NO_CONVERGENCE);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, raw, 9);
+    krhpr_poses_keep(valid, mismatch, 1);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, raw, 9);
+    krhpr_poses_keep(finite, mismatch, 1);
+}
+
 KRHPR_API int krhpr_spatial_prr_parallel_b_forward_gauss_newton_2_batch(
     const krhpr_spatial_prr_parallel_b_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes s[9];
+        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured[2];
+        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance[1];
+        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights[3];
+        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p[3];
+        krhpr_lanes Q[9];
+        krhpr_lanes raw[9];
+        krhpr_lanes mismatch[1];
+        krhpr_spatial_prr_parallel_b_forward_gauss_newton_2_lanes(
+            g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 9, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_parallel_b_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2909,34 +3012,119 @@ KRHPR_API int krhpr_spatial_prr_parallel_b_forward_gauss_newton_2_soa(
         const ptrdiff_t size = left < row ? left : row;
         int *const answers = status == NULL ? NULL : status + b * row;
 
-        for (ptrdiff_t k = 0; k < size; ++k) {
-            double s[9];
-            double measured[2];
-            double tolerance[1];
-            double weights[3];
-            double p[3];
-            double Q[9];
-            double raw[9];
-            double mismatch[1];
-            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(measured, in[1] + b * in_step[1] + k, row, 2);
-            krhpr_pose_load(tolerance, in[2] + b * in_step[2] + k, row, 1);
-            krhpr_pose_load(weights, in[3] + b * in_step[3] + k, row, 3);
-            const int here = krhpr_spatial_prr_parallel_b_forward_gauss_newton_2(
-                g, s, measured, tolerance[0], weights, p, Q, raw, mismatch);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 3);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q, 9);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, raw, 9);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, mismatch, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes measured_room[2];
+            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            krhpr_lanes tolerance_room[1];
+            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes weights_room[3];
+            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            krhpr_lanes p_room[3];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes Q_room[9];
+            double *const Q_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes raw_room[9];
+            double *const raw_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes mismatch_room[1];
+            double *const mismatch_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_spatial_prr_parallel_b_forward_gauss_newton_2_lanes(
+                g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
+            krhpr_poses_done(p_room, p_at, row, 3, here);
+            krhpr_poses_done(Q_room, Q_at, row, 9, here);
+            krhpr_poses_done(raw_room, raw_at, row, 9, here);
+            krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
     }
     return first;
 }
 #endif
+
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_prr_parallel_b_forward_gauss_newton_3_lanes(
+    const krhpr_spatial_prr_parallel_b_geometry *g, const krhpr_lanes_at s[9],
+    const krhpr_lanes_at measured[3], const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3],
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
+    krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
+        krhpr_poses_taint(weights, 3);
+    krhpr_lanes slide[6];
+    krhpr_lanes distance[3];
+    krhpr_lanes start[3];
+    krhpr_lanes flatness[1];
+    krhpr_lanes points[6];
+    krhpr_lanes axes[9];
+    krhpr_lanes ends[6];
+    krhpr_lanes spread[1];
+    krhpr_lanes linear[6];
+    krhpr_lanes agreement[1];
+    krhpr_lanes state[6];
+    krhpr_lanes change[1];
+    krhpr_lanes direction[1];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
+    }
+    krhpr_platform_spatial_b_three_encoders_lanes(
+        s, measured, slide, distance, start, tolerance[0], flatness, points, axes, ends, spread, linear,
+        mismatch, agreement);
+    krhpr_lanes state_at[6];
+    krhpr_lanes state_on[6];
+    krhpr_lanes change_on[1];
+    change[0] = krhpr_all((double)INFINITY);
+    for (int k = 0; k < 6; ++k) {
+        state_at[k] = (linear)[k];
+    }
+    krhpr_ints moving = krhpr_not(krhpr_at_most(change[0], krhpr_all(1e-24)));
+    for (int step = 0; step < 25 && krhpr_any(moving); ++step) {
+        krhpr_platform_spatial_b_gauss_newton_3_lanes(state_at, weights, points, ends, state_on, change_on);
+        for (int k = 0; k < 6; ++k) {
+            state_at[k] = krhpr_where(moving, state_on[k], state_at[k]);
+        }
+        change[0] = krhpr_where(moving, change_on[0], change[0]);
+        moving = krhpr_not(krhpr_at_most(change[0], krhpr_all(1e-24)));
+    }
+    for (int k = 0; k < 6; ++k) {
+        (state)[k] = state_at[k];
+    }
+    krhpr_platform_spatial_b_encoder_pose_lanes(s, state, axes, direction, p, Q, raw);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), spread[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
+    fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), spread[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), direction[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), agreement[0]), status, KRHPR_INCONSISTENT);
+    status = krhpr_expect(krhpr_at_most(change[0], krhpr_all(1e-24)), status, KRHPR_NO_CONVERGENCE);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, p, 3);
+    krhpr_poses_keep(valid, Q, 9);
+    krhpr_poses_keep(valid, raw, 9);
+    krhpr_poses_keep(valid, mismatch, 3);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, p, 3);
+    krhpr_poses_keep(finite, Q, 9);
+    krhpr_poses_keep(finite, raw, 9);
+    krhpr_poses_keep(finite, mismatch, 3);
+}
 
 KRHPR_API int krhpr_spatial_prr_parallel_b_forward_gauss_newton_3_batch(
     const krhpr_spatial_prr_parallel_b_geometry *g, size_t count, const double *const in[],
@@ -2944,7 +3132,31 @@ KRHPR_API int krhpr_spatial_prr_parallel_b_forward_gauss_newton_3_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes s[9];
+        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured[3];
+        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance[1];
+        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights[3];
+        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p[3];
+        krhpr_lanes Q[9];
+        krhpr_lanes raw[9];
+        krhpr_lanes mismatch[3];
+        krhpr_spatial_prr_parallel_b_forward_gauss_newton_3_lanes(
+            g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 9, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_parallel_b_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -2970,29 +3182,36 @@ KRHPR_API int krhpr_spatial_prr_parallel_b_forward_gauss_newton_3_soa(
         const ptrdiff_t size = left < row ? left : row;
         int *const answers = status == NULL ? NULL : status + b * row;
 
-        for (ptrdiff_t k = 0; k < size; ++k) {
-            double s[9];
-            double measured[3];
-            double tolerance[1];
-            double weights[3];
-            double p[3];
-            double Q[9];
-            double raw[9];
-            double mismatch[3];
-            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(measured, in[1] + b * in_step[1] + k, row, 3);
-            krhpr_pose_load(tolerance, in[2] + b * in_step[2] + k, row, 1);
-            krhpr_pose_load(weights, in[3] + b * in_step[3] + k, row, 3);
-            const int here = krhpr_spatial_prr_parallel_b_forward_gauss_newton_3(
-                g, s, measured, tolerance[0], weights, p, Q, raw, mismatch);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 3);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q, 9);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, raw, 9);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, mismatch, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes measured_room[3];
+            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            krhpr_lanes tolerance_room[1];
+            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            krhpr_lanes weights_room[3];
+            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            krhpr_lanes p_room[3];
+            double *const p_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes Q_room[9];
+            double *const Q_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes raw_room[9];
+            double *const raw_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes mismatch_room[3];
+            double *const mismatch_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_spatial_prr_parallel_b_forward_gauss_newton_3_lanes(
+                g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
+            krhpr_poses_done(p_room, p_at, row, 3, here);
+            krhpr_poses_done(Q_room, Q_at, row, 9, here);
+            krhpr_poses_done(raw_room, raw_at, row, 9, here);
+            krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
     }
     return first;

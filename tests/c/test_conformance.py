@@ -25,7 +25,7 @@ POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 LOOP = re.compile(
     r"for \((?:int|ptrdiff_t) (\w+) = \w+(?: - 1| > 0 \? n : 0)?; "
     r"(?:\1 <=? (?:\d+|KRHPR_(?:LANES|PLACES|ROOTS_INTERVALS)|n|n - pass|whole|rest|roots|\(ptrdiff_t\)count)"
-    r"(?: && !\(change\[[i0]\] <= [\de.-]+\)| && size > 0)?; (?:\+\+\1|\1 \+= (?:2|KRHPR_LANES))"
+    r"(?: && !\(change\[[i0]\] <= [\de.-]+\)| && krhpr_any\(moving\)| && size > 0)?; (?:\+\+\1|\1 \+= (?:2|KRHPR_LANES))"
     r"|\1 >= (?:0|1|pass); --\1)\)"
 )
 FORBIDDEN = re.compile(

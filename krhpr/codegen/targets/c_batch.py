@@ -55,8 +55,8 @@ class BatchView:
 
 
 def goes_side_by_side(function: RobotFunction) -> bool:
-    """Whether a function's batch is computed over lanes."""
-    return bool(function.calls) and not function.procedure
+    """Whether a function's batch is computed over lanes: all but those with roots, choices or steps."""
+    return bool(function.calls) and function.each is None
 
 
 def batch_view(robot: RobotCode, function: RobotFunction) -> BatchView:

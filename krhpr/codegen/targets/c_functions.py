@@ -257,6 +257,8 @@ class _Plan:
             raise ValueError(f"{part.name}.{call.kernel}: arctangents cannot be put off in an iteration")
         state, following = f"{repeat.before}_at", f"{repeat.before}_on"
         special = {repeat.before: state, repeat.after: following}
+        if self.writing is LANES:  # lanes that have converged keep what they have
+            special[repeat.change] = f"{repeat.change}_on"
         angles, count = "", 0
         if phases.angles is not None:
             count = phases.angles.output_port("angle").size
